@@ -50,6 +50,10 @@ class FrictionLaw:
         Whether a constraint holds the joint instead; the effort of the law is 0 then.
     may_stick : bool
         Whether a row that holds the joint in one of its modes is among the equations.
+    touch : SlipDirection or None
+        Where it acts, if in a contact.
+    heading : Expr or None
+        Along this direction the unit vector along which a contact began to slip, where its mode is an input.
     """
 
     name: str
@@ -65,6 +69,7 @@ class FrictionLaw:
     sticks: bool = False
     may_stick: bool = False
     touch: SlipDirection | None = None
+    heading: Expr | None = None
 
     @property
     def coordinate(self) -> str:
@@ -113,14 +118,14 @@ class FrictionLaw:
 
 
 # A slip below this has no direction [m/s].
-_STILL: Final = 1e-10
+STILL: Final = 1e-10
 
 
 def slip_share(rate: Expr, x: Expr, y: Expr) -> Expr:
     """Return a component of the slip (x, y) over its magnitude; 0 where it has no direction."""
     zero, one = number(rate.graph, 0), number(rate.graph, 1)
     square = x * x + y * y
-    moves = (one * _STILL**2).apply(LT, square)
+    moves = (one * STILL**2).apply(LT, square)
     return moves.apply(SELECT, rate / sqrt(moves.apply(SELECT, square, one)), zero)
 
 

@@ -42,11 +42,33 @@ def friction_reserve(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         laws, normals = formed.friction, resistance(formed).normals
         return (len(laws),), [_reserve(law, normal) for law, normal in zip(laws, normals, strict=True)]
     k, law = _find_law(formed, words)
-    return (), [_reserve(law, resistance(formed).normals[k])]
+    return (), [_reserve(law, resistance(formed).normals[k], *_others(formed, law))]
 
 
-def _reserve(law: FrictionLaw, normal: Expr) -> Expr:
-    return law.limit * normal - _effort(law).apply(ABS)
+def friction_rate(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "friction_rate J": the rate that friction is against."""
+    return (), [_find_law(formed, words)[1].rate]
+
+
+def slip_along(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "slip_along C": the slip of a contact along the heading that is in its mode."""
+    _, law = _find_law(formed, words)
+    total = number(formed.graph, 0)
+    for one in (law, *_others(formed, law)):
+        total = total + (one.rate if one.heading is None else one.rate * one.heading)
+    return (), [total]
+
+
+def _others(formed: EquationsOfMotion, law: FrictionLaw) -> list[FrictionLaw]:
+    """Return the friction along the other direction of a contact that slips in two."""
+    return [other for other in formed.friction if other.element == law.element and other is not law]
+
+
+def _reserve(law: FrictionLaw, normal: Expr, *others: FrictionLaw) -> Expr:
+    if not others:
+        return law.limit * normal - _effort(law).apply(ABS)
+    efforts = [_effort(one) for one in (law, *others)]
+    return law.limit * normal - sqrt(sum((x * x for x in efforts[1:]), efforts[0] * efforts[0]))
 
 
 def friction_equations(formed: EquationsOfMotion) -> list[tuple[Expr, Expr]]:
@@ -82,6 +104,9 @@ def _effort(law: FrictionLaw) -> Expr:
 def _find_law(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[int, FrictionLaw]:
     """Return the place and the law that a name means; a FormulationError with the nearest names if none."""
     names, text = friction_names(formed), " ".join(words)
+    elements = [law.element for law in formed.friction]
+    if text in elements:
+        names = (*elements,)
     if text in names:
         return names.index(text), formed.friction[names.index(text)]
     what = f"there is no joint {text!r} with friction"
@@ -94,8 +119,10 @@ def mode_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
 
     Outside of motions it is the sign of the joint's rate, and gaps are closed: ropes are taut.
     """
-    if " ".join(words) in friction_names(formed):
-        return (), [_find_law(formed, words)[1].slip]
+    element = " ".join(words)
+    if element in [law.element for law in formed.friction]:
+        law = _find_law(formed, words)[1]
+        return (), [law.slip if law.touch is None else formed.modes.get(element, law.slip)]
     row = _find_row(formed, words)
     closed = any(row.name == other.name for other in formed.rows)
     return (), [number(formed.graph, int(closed)) - formed.modes.get(row.gap, number(formed.graph, 0))]

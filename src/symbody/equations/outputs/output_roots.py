@@ -15,6 +15,7 @@ from symbody.equations.outputs.frame_motion import frame_motion_entries, frame_o
 from symbody.equations.outputs.friction_outputs import (
     friction_effort,
     friction_normal,
+    friction_rate,
     friction_reserve,
     gap,
     gap_acceleration,
@@ -25,6 +26,7 @@ from symbody.equations.outputs.friction_outputs import (
     mode_output,
     opening_effort,
     rigid_force,
+    slip_along,
 )
 from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
 from symbody.equations.outputs.signal_outputs import signal_rates, substitute_signals
@@ -378,6 +380,8 @@ MAKERS: Final = _for_all_kinds(
         "friction": friction_effort,
         "friction_normal": friction_normal,
         "friction_reserve": friction_reserve,
+        "friction_rate": friction_rate,
+        "slip_along": slip_along,
         "mode": mode_output,
         "reaction": reaction_output,
         "rope_tension": opening_effort,

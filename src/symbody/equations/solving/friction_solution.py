@@ -23,10 +23,11 @@ from symbody.equations.kinematics.variables import axis_rotations
 from symbody.equations.loads.friction import FrictionLaw, Resistance
 from symbody.equations.solving.self_stress import multiplier_nodes, self_stress
 from symbody.expr.calculus import linear_coefficients
-from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
-from symbody.expr.graph import Symbol
+from symbody.expr.expression import Expr, maximum, minimum, number, sqrt, symbol
+from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, LT, SELECT
 from symbody.expr.rewrite import substitute
+from symbody.model.joint import Joint
 from symbody.spatial.vector import components, dot, vector
 from symbody.tolerances import UNSOLVED
 
@@ -55,7 +56,8 @@ class FrictionSolver:
         self.laws = formed.friction
         self.zero = number(self.graph, 0)
         self.unknowns = [self.graph.symbol(symbol) for symbol in unknown_symbols(formed)]
-        stress = self_stress(formed) if any(law.reads_reaction for law in self.laws) else None
+        reads = any(law.reads_reaction and law.touch is None for law in self.laws)
+        stress = self_stress(formed) if reads else None
         self.stress = stress if stress and stress.blocks else None
         self.loads = self.affine([x.index for x in self.stress.values(formed)] if self.stress else [])
         self.coupled = [
@@ -203,9 +205,17 @@ def normal_load(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:
     """Return the components of the vector whose magnitude is N, in u', multipliers and friction efforts.
 
     They are the joint's force perpendicular to its axis [N], in a screw that along it too; in a joint that
-    slides also the moment about the origin of its end frame over the radius, if there is one.
+    slides also the moment about the origin of its end frame over the radius, if there is one. In a rigid
+    contact it is the force along the normal, 0 in equations in which its gap is open.
     """
-    joint, names, tree = law.joint, formed.names, formed.kinematics.tree
+    if not isinstance(law.owner, Joint):
+        assert law.touch is not None
+        return [
+            symbol(formed.graph, Symbol(law.touch.row, SymbolKind.MULTIPLIER))
+            if any(row.name == law.touch.row for row in formed.rows)
+            else number(formed.graph, 0)
+        ]
+    joint, names, tree = law.owner, formed.names, formed.kinematics.tree
     wrench, start = formed.wrenches[joint.name], joint.start.full_name
     turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
     axis = turns[0].axis if turns else free_directions(names, joint)[0]

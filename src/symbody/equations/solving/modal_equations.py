@@ -14,10 +14,10 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
-from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.loads.friction import STILL, FrictionLaw
 from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
 from symbody.equations.solving.sticking import holding_row, switching_joints
-from symbody.expr.expression import Expr, number, symbol
+from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, LT, SELECT
 
@@ -47,13 +47,16 @@ class ModalEquations:
         rows = self.eqs.formed.rows
         if element in self.ropes:
             return tuple(row.name for row in rows if row.gap == element)
-        return tuple(law.holding_effort for law in self.laws if law.joint.name == element)
+        return tuple(law.holding_effort for law in self.laws if law.element == element)
 
     @property
     def laws(self) -> tuple[FrictionLaw, ...]:
-        """The friction of the joints, in their order."""
-        laws = {law.joint.name: law for law in self.eqs.formed.friction}
-        return tuple(laws[name] for name in self.joints)
+        """The friction of joints and contacts, in their order."""
+        return tuple(law for name in self.joints for law in self.laws_of(name))
+
+    def laws_of(self, element: str) -> tuple[FrictionLaw, ...]:
+        """Return the friction of an element: of a contact along one direction or two."""
+        return tuple(law for law in self.eqs.formed.friction if law.element == element)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -114,18 +117,61 @@ def _with_modes(
     formed: EquationsOfMotion, joints: tuple[str, ...], modes: dict[str, Expr]
 ) -> EquationsOfMotion:
     """Return equations with the rows of all elements, each where its mode is 0."""
-    laws = {law.joint.name: law for law in formed.friction}
     lines = {name: mode for name, mode in modes.items() if name not in joints}  # cut joints have rows, too
     rows = [_row_in_mode(row, lines[row.gap]) if row.gap in lines else row for row in formed.rows]
-    rows += [_row_in_mode(holding_row(formed, laws[name]), modes[name]) for name in joints]
+    switching = [law for name in joints for law in formed.friction if law.element == name]
+    rows += [_row_in_mode(holding_row(formed, law), modes[law.element]) for law in switching]
     friction = tuple(
-        replace(law, slip=modes[law.joint.name], switches=False, may_stick=True) if law.switches else law
+        _slipping(law, _partner(formed, law), modes[law.element]) if law.switches else law
         for law in formed.friction
     )
     whole = tuple(row for row in formed.rows if row.gap in lines)
     return replace(
         formed.with_rows(tuple(rows)), friction=friction, slack=(*formed.slack, *whole), modes=lines
     )
+
+
+def _partner(formed: EquationsOfMotion, law: FrictionLaw) -> FrictionLaw | None:
+    """Return the friction of a contact along the other direction."""
+    others = (other for other in formed.friction if other.element == law.element and other != law)
+    return next(others, None)
+
+
+def _slipping(law: FrictionLaw, partner: FrictionLaw | None, mode: Expr) -> FrictionLaw:
+    """Return a law that slips as its mode says.
+
+    In two directions it slips along its velocity, and from rest along the heading that is in its mode. The
+    velocity counts with the sign of what it has along the heading, so that the law goes on smoothly through
+    rest, where the mode ends.
+    """
+    if partner is None:
+        return replace(law, slip=mode, switches=False, may_stick=True)
+    zero, one = number(mode.graph, 0), number(mode.graph, 1)
+    ahead, across = mode_heading(mode)
+    if law.name.endswith("y"):
+        ahead, across = across, ahead
+    along = law.rate * ahead + partner.rate * across
+    square = law.rate * law.rate + partner.rate * partner.rate
+    moves = (one * STILL**2).apply(LT, square)
+    back = along.apply(LT, zero)
+    length = sqrt(moves.apply(SELECT, square, one))
+    slip = moves.apply(SELECT, law.rate / back.apply(SELECT, -length, length), ahead)
+    return replace(law, slip=slip, switches=False, may_stick=True, heading=ahead)
+
+
+def mode_heading(mode: Expr) -> tuple[Expr, Expr]:
+    """Return the unit vector that the mode of a contact contains: 1 + p/8, p along a square in (-2, 2].
+
+    The square ``abs(x) + abs(y) = 1`` is passed once: ``x = 1 - abs(p)``, and y is p where x is positive.
+    """
+    one = number(mode.graph, 1)
+    p = (mode - 1) * 8
+    size = p.apply(ABS)
+    x = 1 - size
+    rest = 2 - size
+    y = size.apply(LT, one).apply(SELECT, p, p.apply(LT, one * 0).apply(SELECT, -rest, rest))
+    length = sqrt(x * x + y * y)
+    return x / length, y / length
 
 
 def _row_in_mode(row: ConstraintEquation, mode: Expr) -> ConstraintEquation:

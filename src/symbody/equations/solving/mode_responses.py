@@ -45,7 +45,7 @@ def mode_responses(formed: EquationsOfMotion) -> list[Expr]:
     One after the other: slip, kinetic and static strength of each joint; along the rows, which are rates of
     joints and gaps, the accelerations without efforts, then by row their change by a unit of each, which
     opens gaps; the same of the components of the reactions that friction reads; what cancels in each
-    acceleration, whose rounding is a share of it; the change of the speeds by a unit of impulse of each gap.
+    acceleration, whose rounding is a share of it; the change of the speeds by a unit of impulse of each.
     """
     solver = _ResponseSolver(formed)
     laws = candidate_laws(formed)
@@ -62,7 +62,7 @@ def mode_responses(formed: EquationsOfMotion) -> list[Expr]:
         *(solver.product(row, first) + rest for row, rest in zip(slopes, loads, strict=True)),
         *(solver.product(row, column) for row in slopes for column in columns),
         *(solver.size(row, first) for row in (*held, *solver.gaps)),
-        *(x for column in columns[len(laws) :] for x in column[: len(formed.u)]),
+        *(x for column in columns for x in column[: len(formed.u)]),
     ]
 
 

@@ -75,7 +75,7 @@ def shares_hold(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     if solve_modes(problem) != SOLVED:
         return 1
     for k in range(problem.count):
-        place = int(modes.places[int(modes.acting[k])])
+        place = int(modes.places[int(modes.acting[problem.elements[k].row])])
         if place >= 0 and modes.elements[place].shares != 0.0:
             if overload_of(problem, problem.elements[k]) > 0.0:
                 return 0

@@ -22,7 +22,7 @@ def note_shares(modes: ModeSwitch) -> None:
         return
     for k in range(problem.count):
         element = problem.elements[k]
-        place = int(modes.places[int(modes.acting[k])])
+        place = int(modes.places[int(modes.acting[problem.elements[k].row])])
         if is_held(element) == 1 and place >= 0:
             i = held_place(problem, element.row)
             if shares_effort(problem, i, problem.vector) == 1:

@@ -18,7 +18,10 @@ class SwitchingElement(RecordLayout):
     Its mode is one of `mode_problem`: 0 while it sticks or is taut, 1 or -1 as it slips, 1 for a slack rope.
     """
 
-    candidate: int  # its place among all candidates
+    candidate: int  # its place among all candidates; a contact that slips in two directions has the next one, too
+    rows: int  # how many candidates it has: two in such a contact
+    gap: int  # of the friction of a contact: the element that is its gap, from 1; else 0
+    absent: float  # whether that gap is open, so that there is no friction
     is_rope: float
     unit: float  # what counts as a large displacement: 1 rad, or the size of the mechanism
     mode: int
@@ -27,7 +30,10 @@ class SwitchingElement(RecordLayout):
     opens: int  # the mode with which the search begins
     is_decided: float  # whether that is its mode
     ended: float  # whether an event has ended its mode
-    rate: float  # of the joint, or of the slackness of the rope
+    rate: float  # of the joint, or of the gap
+    across: float  # the rate along the second direction of a contact
+    ahead: float  # along both, the heading with which it began to slip
+    aside: float
     slackness: float
     length: float  # what the gap is small against
     restitution: float
@@ -45,7 +51,8 @@ class ModeSwitch(RecordLayout):
 
     count: int  # elements: joints, then ropes
     ropes: int
-    candidates: int  # joints whose friction is to be found, then ropes
+    rates: int  # of what sticks and slips, of contacts two
+    candidates: int  # directions of friction that is to be found, then gaps
     components: int  # of reactions that friction reads
     states: int  # the work, which is the last one, among them
     speeds: int
@@ -67,6 +74,8 @@ class ModeSwitch(RecordLayout):
     room: int  # rows of the record
 
     elements: Rows[SwitchingElement] = pointer("count")
+    impulses: Reals = pointer("candidates")  # of an impact, and the loads that they make
+    shocks: Reals = pointer("components")
     places: Reals = pointer("candidates")  # the element of each; -1 for friction that does not switch
     normals: Reals = pointer("candidates")  # how many components of its reaction each candidate reads
     units: Reals = pointer("candidates")

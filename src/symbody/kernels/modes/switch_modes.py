@@ -14,7 +14,7 @@ from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.events.event_location import sign
 from symbody.kernels.language import Function, Reals, is_finite, part, sqrt
 from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, find_modes
-from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL, ModeElement
+from symbody.kernels.modes.mode_problem import BOUNDED, CONE, HOLDS, LOOSE, UNILATERAL, ModeElement
 from symbody.kernels.modes.mode_shares import note_shares
 from symbody.kernels.modes.mode_switch import DECIDED, SHOCK, ModeSwitch, SwitchingElement
 from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
@@ -30,6 +30,7 @@ LONG_ROPE: Final = 4  # an action left a rope longer than it can be
 AT_REST: Final = 1e-9  # of the largest rates so far, `symbody.tolerances`
 AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
 GAP_NUMBERS: Final = 4  # gap, rate, scale, restitution
+LEAST_SHARE: Final = 1e-3  # of restitution
 NEVER: Final = 1e100  # a value that does not come to zero
 UNWRITTEN: Final = 2  # no mode: the next one is written down
 FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
@@ -38,7 +39,21 @@ FAST: Final = 1e6  # ends that approach so many times faster than at rest do not
 def show_modes(modes: ModeSwitch, numbers: FunctionNumbers) -> None:
     """Write the modes among the inputs of a function."""
     for k in range(modes.count):
-        numbers.inputs[modes.first_input + k] = float(modes.elements[k].mode)
+        numbers.inputs[modes.first_input + k] = mode_input(modes, k)
+
+
+def mode_input(modes: ModeSwitch, place: int) -> float:
+    """Return the input for a mode; the heading of a contact is a place on a square behind the 1 of its slip.
+
+    See `symbody.equations.solving.modal_equations.mode_heading`.
+    """
+    element = modes.elements[place]
+    size = abs(element.ahead) + abs(element.aside)
+    if element.rows < 2 or element.mode == HOLDS or not size > 0.0:
+        return float(element.mode)
+    if element.aside < 0.0:
+        return 1.0 - 0.125 * (1.0 - element.ahead / size)
+    return 1.0 + 0.125 * (1.0 - element.ahead / size)
 
 
 def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
@@ -85,11 +100,12 @@ def rest_of_impacts(modes: ModeSwitch) -> float:
     """
     problem = modes.problem
     longest = 0.0
-    for i in range(problem.count):
+    for k in range(problem.count):
+        i = problem.elements[k].row
         place = int(modes.places[int(modes.acting[i])])
-        if place >= 0 and problem.elements[i].mode == HOLDS:
+        if place >= 0 and problem.elements[k].mode == HOLDS:
             element = modes.elements[place]
-            back = problem.responses[i * problem.count + i] * problem.efforts[i]
+            back = problem.responses[i * problem.rows + i] * problem.efforts[i]
             left = 1.0 - element.restitution
             if element.is_rope != 0.0 and element.impulse > 0.0 and element.rate > 0.0 and back * left > 0.0:
                 longest = max(longest, 2.0 * element.rate / (back * left))
@@ -109,20 +125,25 @@ def measure(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     if status != 0:
         modes.fault = status
         return status
-    joints = modes.count - modes.ropes
-    size = joints + GAP_NUMBERS * modes.ropes
+    size = modes.rates + GAP_NUMBERS * modes.ropes
     motion = part(modes.out, modes.out_size - 1 - size, size)
+    place = 0
     for k in range(modes.count):
         element = modes.elements[k]
-        element.rate = motion[k]
         if element.is_rope != 0.0:
-            rope = k - joints
-            element.slackness = motion[joints + rope]
-            element.rate = motion[joints + modes.ropes + rope]
-            element.length = motion[joints + 2 * modes.ropes + rope]
+            gap = modes.rates + k - (modes.count - modes.ropes)
+            element.slackness = motion[gap]
+            element.rate = motion[gap + modes.ropes]
+            element.length = motion[gap + 2 * modes.ropes]
             if element.length == 0.0:
                 element.length = element.unit
-            element.restitution = motion[joints + 3 * modes.ropes + rope]
+            element.restitution = motion[gap + 3 * modes.ropes]
+        else:
+            element.rate = motion[place]
+            element.across = 0.0
+            if element.rows == 2:
+                element.across = motion[place + 1]
+            place = place + element.rows
     return 0
 
 
@@ -196,110 +217,146 @@ def strike_gaps(d: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) ->
 def find_impulses(modes: ModeSwitch) -> int:
     """Find with which impulses gaps at zero keep from closing; return the verdict of `find_modes`.
 
-    Poisson's hypothesis: impulses that end the approach, then their share of restitution, then those that
-    end what approaches still. Shares that differ may raise the energy [Glocker, Energetic consistency
-    conditions for standard impacts, Multibody Syst. Dyn. 29, 2013]; all are lowered then until it stays.
+    Poisson's hypothesis with friction: impulses that end the approach, then their share of restitution, then
+    those that end what approaches still; those across are within friction of those along the normals, in
+    both phases [Glocker & Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear Dynamics
+    7, 1995]. If the energy would rise the shares are lowered [Glocker, Energetic consistency conditions for
+    standard impacts, Multibody Syst. Dyn. 29, 2013].
     """
     for k in range(modes.count):
         element = modes.elements[k]
         element.impulse = 0.0
-        element.opens = LOOSE
-        element.is_decided = 1.0
-        if element.is_rope != 0.0 and is_tight(element) == 1:
-            element.opens = HOLDS
-            element.is_decided = 0.0
-    fill_problem(modes, 1)
-    problem = modes.problem
-    verdict = find_modes(problem)
-    if verdict != ONE:
-        return verdict
-    take_impulses(modes)
-    share = restitution_share(modes)
-    if share > 0.0:
-        for k in range(problem.count):
-            struck = modes.elements[struck_place(modes, k)]
-            struck.impulse = struck.impulse * (1.0 + share * struck.restitution)
-        find_rates_left(modes)
-        verdict = find_modes(problem)
-        take_impulses(modes)
+        element.opens = HOLDS
+        element.is_decided = 0.0
+        if element.is_rope != 0.0 and is_tight(element) == 0:
+            element.opens = LOOSE
+            element.is_decided = 1.0
+    for k in range(modes.count):
+        rubbing = modes.elements[k]
+        if rubbing.gap > 0:
+            rubbing.absent = modes.elements[rubbing.gap - 1].is_decided
+    verdict = compress(modes)
+    share = 1.0
+    while verdict == ONE and share > LEAST_SHARE:
+        verdict = expand(modes, share)
+        share = 0.5 * share
+        if verdict == ONE and not modes.lost < 0.0:
+            share = 0.0
+        if share > LEAST_SHARE and verdict == ONE:
+            verdict = compress(modes)
     settle_impulses(modes)
     return verdict
 
 
-def struck_place(modes: ModeSwitch, k: int) -> int:
-    """Return the place of the element of a row of the mode problem of an impact."""
-    return int(modes.places[int(modes.acting[k])])
+def compress(modes: ModeSwitch) -> int:
+    """Find the impulses that end the approach of gaps."""
+    for k in range(modes.candidates):
+        modes.impulses[k] = 0.0
+    for k in range(modes.components):
+        modes.shocks[k] = 0.0
+    fill_problem(modes, 1)
+    verdict = find_modes(modes.problem)
+    add_efforts(modes)
+    return verdict
 
 
-def take_impulses(modes: ModeSwitch) -> None:
-    """Add the efforts of gaps that are kept from closing to the impulses of their elements."""
+def add_efforts(modes: ModeSwitch) -> None:
+    """Add the efforts that were found to the impulses."""
     problem = modes.problem
-    for k in range(problem.count):
-        if problem.elements[k].mode == HOLDS:
-            element = modes.elements[struck_place(modes, k)]
-            element.impulse = element.impulse + problem.efforts[k]
+    for i in range(problem.rows):
+        candidate = int(modes.acting[i])
+        modes.impulses[candidate] = modes.impulses[candidate] + problem.efforts[i]
 
 
-def restitution_share(modes: ModeSwitch) -> float:
-    """Return by which share of their restitution gaps open again; 0 if there is none."""
+def expand(modes: ModeSwitch, share: float) -> int:
+    """Let gaps open with a share of their restitution, and end what approaches still."""
     problem = modes.problem
-    before = 0.0
-    behind = 0.0
-    for i in range(problem.count):
-        first = modes.elements[struck_place(modes, i)]
-        for j in range(problem.count):
-            second = modes.elements[struck_place(modes, j)]
-            work = first.impulse * problem.responses[i * problem.count + j] * second.impulse
-            before = before + work
-            behind = behind + first.restitution * work * second.restitution
-    if behind > before:
-        return sqrt(before / behind)
-    if behind > 0.0:
-        return 1.0
-    return 0.0
+    shares = part(problem.room, 0, problem.rows)
+    most = 0.0
+    for i in range(problem.rows):
+        candidate = int(modes.acting[i])
+        place = int(modes.places[candidate])
+        struck = modes.elements[place]
+        shares[i] = 0.0
+        if struck.is_rope != 0.0:
+            shares[i] = share * struck.restitution * modes.impulses[candidate]
+        most = max(most, shares[i])
+    verdict = ONE
+    if most > 0.0:
+        for k in range(modes.components):
+            for i in range(problem.rows):
+                modes.shocks[k] = modes.shocks[k] + problem.reactions[k * problem.rows + i] * shares[i]
+        for i in range(problem.rows):
+            candidate = int(modes.acting[i])
+            modes.impulses[candidate] = modes.impulses[candidate] + shares[i]
+        fill_problem(modes, 1)
+        verdict = find_modes(problem)
+        add_efforts(modes)
+    modes.lost = lost_energy(modes)
+    return verdict
 
 
-def find_rates_left(modes: ModeSwitch) -> None:
-    """Let the mode problem of an impact begin with the rates that the impulses so far leave."""
-    problem = modes.problem
-    for i in range(problem.count):
-        rate = modes.elements[struck_place(modes, i)].rate
-        for j in range(problem.count):
-            rate = rate + problem.responses[i * problem.count + j] * modes.elements[struck_place(modes, j)].impulse
-        problem.offsets[i] = rate
+def row_rate(modes: ModeSwitch, i: int) -> float:
+    """Return the rate along a row of the mode problem before an impact."""
+    candidate = int(modes.acting[i])
+    place = int(modes.places[candidate])
+    element = modes.elements[place]
+    if candidate > element.candidate:
+        return element.across
+    return element.rate
+
+
+def rate_behind(modes: ModeSwitch, i: int) -> float:
+    """Return the rate along a row of the mode problem that the impulses so far leave."""
+    count = modes.candidates
+    first = 3 * (count - modes.ropes) + count
+    responses = part(modes.out, first + int(modes.acting[i]) * count, count)
+    rate = row_rate(modes, i)
+    for j in range(modes.problem.rows):
+        candidate = int(modes.acting[j])
+        rate = rate + responses[candidate] * modes.impulses[candidate]
+    return rate
+
+
+def lost_energy(modes: ModeSwitch) -> float:
+    """Return the energy that the impulses so far lose: their work at the mean of the rates before and behind."""
+    lost = 0.0
+    size = 0.0
+    for i in range(modes.problem.rows):
+        impulse = modes.impulses[int(modes.acting[i])]
+        work = 0.5 * impulse * (row_rate(modes, i) + rate_behind(modes, i))
+        lost = lost - work
+        size = size + abs(0.5 * impulse * row_rate(modes, i))
+    if abs(lost) < BALANCED * size:
+        return 0.0
+    return lost
 
 
 def settle_impulses(modes: ModeSwitch) -> None:
-    """Note the energy that an impact loses, and which elements it strikes: others keep their modes.
-
-    Each loses its impulse times the mean of the rates before and behind.
-    """
-    problem = modes.problem
-    modes.lost = 0.0
+    """Note which gaps an impact strikes; others keep their modes."""
     largest = 0.0
-    for k in range(problem.count):
-        largest = max(largest, modes.elements[struck_place(modes, k)].impulse)
-    find_rates_left(modes)
-    for k in range(problem.count):
-        element = modes.elements[struck_place(modes, k)]
-        if element.impulse > BALANCED * largest:
-            modes.lost = modes.lost - 0.5 * element.impulse * (element.rate + problem.offsets[k])
-            element.mode = HOLDS
-            element.written = UNWRITTEN
-        else:
-            element.impulse = 0.0
+    for k in range(modes.count):
+        element = modes.elements[k]
+        if element.is_rope != 0.0:
+            element.impulse = modes.impulses[element.candidate]
+            largest = max(largest, element.impulse)
+    for k in range(modes.count):
+        struck = modes.elements[k]
+        if struck.is_rope != 0.0:
+            if struck.impulse > BALANCED * largest:
+                struck.mode = HOLDS
+                struck.written = UNWRITTEN
+            else:
+                struck.impulse = 0.0
 
 
 def add_impulses(modes: ModeSwitch, x: Reals) -> None:
     """Add to speeds what the impulses change them by."""
-    joints = modes.candidates - modes.ropes
-    first = 3 * joints + candidate_block(modes) + modes.candidates
-    for k in range(modes.count):
-        element = modes.elements[k]
-        if element.is_rope != 0.0 and element.impulse > 0.0:
-            column = part(modes.out, first + (element.candidate - joints) * modes.speeds, modes.speeds)
-            for i in range(modes.speeds):
-                x[i] = x[i] + column[i] * element.impulse
+    first = 3 * (modes.candidates - modes.ropes) + candidate_block(modes) + modes.candidates
+    for k in range(modes.candidates):
+        column = part(modes.out, first + k * modes.speeds, modes.speeds)
+        for i in range(modes.speeds):
+            x[i] = x[i] + column[i] * modes.impulses[k]
 
 
 def open_elements(modes: ModeSwitch, again: int) -> int:
@@ -309,18 +366,28 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
     problem holds accelerations of a first decision.
     """
     differs = 0
-    for k in range(modes.count):
+    for back in range(modes.count):
+        k = modes.count - 1 - back  # gaps before the friction in them
         element = modes.elements[k]
         opens = HOLDS
         is_decided = 0.0
+        element.absent = 0.0
+        if element.gap > 0:
+            element.absent = modes.elements[element.gap - 1].is_decided
         if element.is_rope != 0.0:
             if is_slack(modes, element, again) == 1:
                 opens = LOOSE
                 is_decided = 1.0
-        elif has_turned(element) == 0 and abs(element.rate) > slow_rate(modes, element):
-            opens = int(sign(element.rate))
+        elif element.absent != 0.0:
+            opens = LOOSE
             is_decided = 1.0
-        if again == 0 or element.is_rope != 0.0:
+        elif has_turned(element) == 0 and speed_of(element) > slow_rate(modes, element):
+            opens = int(sign(element.rate))
+            if element.rows == 2:
+                opens = LOOSE
+                head(modes, k, element.rate, element.across)
+            is_decided = 1.0
+        if again == 0 or element.is_rope != 0.0 or element.gap > 0:
             if opens != element.opens or is_decided != element.is_decided:
                 differs = 1
             element.opens = opens
@@ -328,9 +395,28 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
     return differs
 
 
+def speed_of(element: SwitchingElement) -> float:
+    """Return how fast an element slips."""
+    if element.rows == 2:
+        return sqrt(element.rate * element.rate + element.across * element.across)
+    return abs(element.rate)
+
+
+def head(modes: ModeSwitch, place: int, x: float, y: float) -> None:
+    """Let a contact slip along a vector."""
+    element = modes.elements[place]
+    size = sqrt(x * x + y * y)
+    if size > 0.0:
+        element.ahead = x / size
+        element.aside = y / size
+
+
 def has_turned(element: SwitchingElement) -> int:
-    """Return 1 if a joint whose slip has ended turns back: it came to rest a little before, else 0."""
-    if element.ended != 0.0 and element.before != 0.0 and float(element.mode) * element.rate < 0.0:
+    """Return 1 if what slipped until an event turns back: it came to rest a little before, else 0."""
+    along = float(element.mode) * element.rate
+    if element.rows == 2:
+        along = float(element.mode) * (element.rate * element.ahead + element.across * element.aside)
+    if element.ended != 0.0 and element.before != 0.0 and along < 0.0 and element.absent == 0.0:
         return 1
     return 0
 
@@ -363,7 +449,7 @@ def acceleration_of(modes: ModeSwitch, candidate: int) -> float:
     count = modes.candidates
     total = modes.out[3 * (count - modes.ropes) + candidate]
     responses = part(modes.out, 3 * (count - modes.ropes) + count + candidate * count, count)
-    for k in range(problem.count):
+    for k in range(problem.rows):
         if int(modes.acting[k]) == candidate:
             return problem.accelerations[k]
         total = total + responses[int(modes.acting[k])] * problem.efforts[k]
@@ -385,9 +471,12 @@ def choose_direction(modes: ModeSwitch) -> None:
     for k in range(modes.count):
         modes.elements[k].opens = int(modes.kept[k])
     joint = modes.elements[broken]
-    for k in range(modes.problem.count):
+    for k in range(modes.problem.rows):
         if int(modes.acting[k]) == joint.candidate and status == SOLVED:
             joint.opens = int(-sign(modes.problem.efforts[k]))
+            if joint.rows == 2:
+                joint.opens = LOOSE
+                head(modes, broken, -modes.problem.efforts[k], -modes.problem.efforts[k + 1])
             joint.is_decided = 1.0
 
 
@@ -411,26 +500,36 @@ def fill_problem(modes: ModeSwitch, is_shock: int) -> None:
     problem = modes.problem
     candidates = modes.candidates
     count = 0
+    rows = 0
     normal = 0
     for k in range(candidates):
         place = int(modes.places[k])
         normals = int(modes.normals[k])
         if takes_part(modes, place, is_shock) == 1:
-            element = problem.elements[count]
-            element.row = count
-            element.normal = normal
-            element.normals = normals
-            fill_element(modes, element, k, place, is_shock)
-            modes.acting[count] = float(k)
-            count = count + 1
+            if is_second(modes, k, place) == 0:
+                element = problem.elements[count]
+                element.row = rows
+                element.normal = normal
+                element.normals = normals
+                fill_element(modes, element, k, place, is_shock)
+                count = count + 1
+            modes.acting[rows] = float(k)
+            rows = rows + 1
         normal = normal + normals
     problem.count = count
-    problem.rows = count
-    problem.columns = count + 1
+    problem.rows = rows
+    problem.columns = rows + 1
     problem.components = modes.components
-    if is_shock == 1:
-        problem.components = 0
     copy_responses(modes, is_shock)
+
+
+def is_second(modes: ModeSwitch, candidate: int, place: int) -> int:
+    """Return 1 if a candidate is the second direction of a contact, else 0."""
+    if place < 0:
+        return 0
+    if candidate > modes.elements[place].candidate:
+        return 1
+    return 0
 
 
 def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
@@ -439,7 +538,9 @@ def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
         return 1 - is_shock
     element = modes.elements[place]
     if element.is_rope == 0.0:
-        return 1 - is_shock
+        if is_shock == 1 and element.gap == 0:
+            return 0
+        return 1 - int(element.absent)
     if element.is_decided != 0.0:
         return 0
     return 1
@@ -476,6 +577,10 @@ def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place:
         element.mode = own.opens
         element.moves = own.is_decided
         element.first = float(own.opens)
+        if own.rows == 2:
+            element.law = CONE
+            element.first = own.ahead
+            element.second = own.aside
 
 
 def candidate_block(modes: ModeSwitch) -> int:
@@ -488,7 +593,7 @@ def copy_responses(modes: ModeSwitch, is_shock: int) -> None:
     """Write the responses of the candidates that take part into the mode problem."""
     problem = modes.problem
     n = modes.candidates
-    count = problem.count
+    count = problem.rows
     first = 3 * (n - modes.ropes)
     offsets = part(modes.out, first, n)
     responses = part(modes.out, first + n, n * n)
@@ -498,11 +603,13 @@ def copy_responses(modes: ModeSwitch, is_shock: int) -> None:
         row = int(modes.acting[i])
         problem.offsets[i] = offsets[row]
         if is_shock == 1:
-            problem.offsets[i] = modes.elements[int(modes.places[row])].rate
+            problem.offsets[i] = rate_behind(modes, i)
         for j in range(count):
             problem.responses[i * count + j] = responses[row * n + int(modes.acting[j])]
     for i in range(problem.components):
         problem.loads[i] = loads[i]
+        if is_shock == 1:
+            problem.loads[i] = modes.shocks[i]
         for j in range(count):
             problem.reactions[i * count + j] = reactions[i * n + int(modes.acting[j])]
 
@@ -511,11 +618,11 @@ def decide(modes: ModeSwitch) -> int:
     """Return the verdict of `find_modes` on what is known of the elements."""
     fill_problem(modes, 0)
     problem = modes.problem
-    for i in range(problem.count):
+    for i in range(problem.rows):
         if not is_finite(problem.offsets[i]):
             return NOT_FOUND
-        for j in range(problem.count):
-            if not is_finite(problem.responses[i * problem.count + j]):
+        for j in range(problem.rows):
+            if not is_finite(problem.responses[i * problem.rows + j]):
                 return NOT_FOUND
     return find_modes(problem)
 
@@ -524,14 +631,23 @@ def take_modes(modes: ModeSwitch) -> int:
     """Take the modes that were found; return 1 if some differ, or are the first."""
     is_new = int(1.0 - modes.known)
     problem = modes.problem
-    for k in range(modes.count):
+    for back in range(modes.count):
+        k = modes.count - 1 - back  # gaps before the friction in them
         element = modes.elements[k]
         mode = LOOSE
         if element.is_decided != 0.0:
             mode = element.opens
         for j in range(problem.count):
-            if int(modes.acting[j]) == element.candidate:
-                mode = problem.elements[j].mode
+            other = problem.elements[j]
+            if int(modes.acting[other.row]) == element.candidate:
+                mode = other.mode
+                if element.rows == 2 and mode != HOLDS:
+                    head(modes, k, other.first, other.second)
+        if element.gap > 0:
+            element.absent = 0.0
+            if modes.elements[element.gap - 1].mode != HOLDS:
+                element.absent = 1.0
+                mode = LOOSE
         if mode != element.mode:
             modes.changed = 1.0
         if mode != element.written:
@@ -588,7 +704,7 @@ def set_levels(modes: ModeSwitch) -> None:
     for k in range(modes.count):
         element = modes.elements[k]
         element.level = 0.0
-        if element.shares != 0.0:
+        if element.shares != 0.0 or element.absent != 0.0:
             element.level = -NEVER
         elif element.is_rope != 0.0:
             if element.mode != HOLDS:
@@ -634,7 +750,7 @@ def record(modes: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: f
     row[1] = t
     row[2] = lost
     for k in range(m):
-        row[3 + k] = float(modes.elements[k].mode)
+        row[3 + k] = mode_input(modes, k)
         if kind == SHOCK:
             row[3 + k] = modes.elements[k].impulse
     copy(n, x, part(row, 3 + m, n))
@@ -662,7 +778,9 @@ def rewind_modes(modes: ModeSwitch, Z: Reals, t: float) -> None:
         return
     for k in range(modes.count):
         element = modes.elements[k]
-        element.mode = int(Z[size * last + 3 + k])
+        element.mode = HOLDS
+        if abs(Z[size * last + 3 + k]) > 0.5:
+            element.mode = int(sign(Z[size * last + 3 + k]))
         element.written = element.mode
         element.ended = 0.0
     modes.recorded = last + 1

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
-from symbody.model.constraints import Stop
+from symbody.model.constraints import Distance
 from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 
@@ -24,6 +24,7 @@ _MOST_NOTES: Final = 20  # of shocks
 _MODES: Final = (-1, 0, 1)
 JOINT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips forward", -1: "slips backward"})
 ROPE_WORDS: Final = MappingProxyType({HOLDS: "taut", 1: "slack"})
+CONTACT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips"})
 IMPACT: Final = -1  # no mode of a stop: its place among the words is that of an impact
 STOP_WORDS: Final = MappingProxyType({HOLDS: "closed", 1: "open", IMPACT: "impact"})
 
@@ -51,9 +52,10 @@ class ModalElements(NamedTuple):
 
 def modal_elements(modal: ModalEquations) -> ModalElements:
     """Return the elements of equations with modes."""
-    stops = {part.name for part in modal.eqs.model.constraints if isinstance(part, Stop)}
-    words = [STOP_WORDS if name in stops else ROPE_WORDS for name in modal.ropes]
-    return ModalElements(modal.joints, modal.ropes, (*[JOINT_WORDS] * len(modal.joints), *words))
+    ropes = {part.name for part in modal.eqs.model.constraints if isinstance(part, Distance)}
+    gaps = [ROPE_WORDS if name in ropes else STOP_WORDS for name in modal.ropes]
+    slips = [CONTACT_WORDS if len(modal.laws_of(name)) > 1 else JOINT_WORDS for name in modal.joints]
+    return ModalElements(modal.joints, modal.ropes, (*slips, *gaps))
 
 
 class ModeRecord:
@@ -186,6 +188,7 @@ def mode_changes(
     """
     count, joints = len(elements.names), len(elements.joints)
     modes, shocks = rows[:, 3 : 3 + count].copy(), rows[:, 0] == SHOCK
+    modes[~shocks] = np.rint(modes[~shocks])  # those of contacts contain a heading
     are_stops = np.array([words is STOP_WORDS for words in elements.words], dtype=np.bool_)
     is_struck = shocks[:, np.newaxis] & (modes != 0.0) & (np.arange(count) >= joints)
     starts = np.zeros(len(rows), dtype=np.bool_)
@@ -242,7 +245,7 @@ def held_modes(
     """Return the modes of elements along a motion as inputs that are held; None without any."""
     if not changes:
         return None
-    kinds = (JOINT_WORDS, ROPE_WORDS, STOP_WORDS)
+    kinds = (JOINT_WORDS, CONTACT_WORDS, ROPE_WORDS, STOP_WORDS)
     numbers = {word: float(mode) for words in kinds for mode, word in words.items()}
     times = np.unique([change.t for change in changes])
     values = np.empty((len(inputs), times.size))

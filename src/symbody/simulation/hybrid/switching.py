@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
@@ -20,6 +20,7 @@ from symbody.codegen.llvm.kernel_library import load_kernels
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.equations.solving.modal_equations import (
     ModalEquations,
@@ -28,6 +29,7 @@ from symbody.equations.solving.modal_equations import (
     switches,
 )
 from symbody.equations.solving.mode_responses import candidate_laws, reaction_sizes
+from symbody.equations.solving.unilateral import unilateral_row
 from symbody.errors import Problem, UsageError
 from symbody.kernels import block as run_at
 from symbody.kernels.events.event_monitor import EventMonitor
@@ -354,16 +356,17 @@ class SwitchingModes:
 def deciding_outputs(modal: ModalEquations) -> tuple[OutputName, ...]:
     """Return what decides about modes, outputs of the equations whose modes are open; see `ModeSwitch`."""
     words = ("row_gap", "gap_dot", "gap_scale", "restitution")
-    rates = [f"{law.coordinate}_dot" for law in modal.laws]
+    rates = [f"friction_rate {law.name}" for law in modal.laws]
     return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.ropes)), "energy"
 
 
 def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
     """Return what ends the mode of each element: no reserve or no rate; no tension or its length."""
-    joints = [
-        (mode, law.joint.name, f"'friction_reserve {law.joint.name}'", f"{mode}*{law.coordinate}_dot")
-        for mode, law in zip(modal.modes, modal.laws, strict=False)
-    ]
+    joints = []
+    for mode, name in zip(modal.modes, modal.joints, strict=False):
+        laws = modal.laws_of(name)
+        slip = f"'slip_along {name}'" if len(laws) > 1 else f"{mode}*'friction_rate {laws[0].name}'"
+        joints.append((mode, name, f"'friction_reserve {name}'", slip))
     lines = [
         (mode, name, f"'opening_effort {name}'", f"'row_gap {name}'")
         for mode, name in zip(modal.modes[len(joints) :], modal.ropes, strict=True)
@@ -392,29 +395,48 @@ def mode_block(
     """
     laws = candidate_laws(eqs.formed)
     counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
-    names, ropes, length = [law.joint.name for law in laws], len(modal.ropes), scales.length
-    n, components = len(laws) + ropes, sum(counts)
+    gaps, length = len(modal.ropes), scales.length
+    n, components = len(laws) + gaps, sum(counts)
     turning = [law.turns for law in laws] + [eqs.units.get(f"gap {name}") == "rad" for name in modal.ropes]
     units = [1.0 if turns else length for turns in turning]
-    candidates = [*(names.index(name) for name in modal.joints), *range(len(laws), n)]
-    elements = [
-        pack(SwitchingElement, candidate=k, is_rope=float(k >= len(laws)), unit=units[k], mode=LOOSE)
-        for k in candidates
-    ]
-    owners = [candidates.index(k) if k in candidates else -1 for k in range(n)]
+    elements, owners = _elements(modal, laws, units)
     problem = pack(
         ModeProblem, count=n, rows=n, components=components, columns=n + 1,
         elements=[pack(ModeElement) for _ in range(n)],
     )  # fmt: skip
     return pack(
-        ModeSwitch, count=len(modal.names), ropes=ropes, candidates=n, components=components,
+        ModeSwitch, count=len(modal.names), ropes=gaps, rates=len(modal.laws), candidates=n, components=components,
         states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
         moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
-        fastest=1.0 / scales.time, elements=elements, places=owners, normals=[*counts, *[0] * ropes],
+        fastest=1.0 / scales.time, elements=elements, places=owners, normals=[*counts, *[0] * gaps],
         units=units, are_lengths=[float(not turns) for turns in turning],
         sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
         projection=projecting[0],
     )  # fmt: skip
+
+
+def _elements(
+    modal: ModalEquations, laws: Sequence[FrictionLaw], units: Sequence[float]
+) -> tuple[list[Floats], list[int]]:
+    """Return the elements of a `ModeSwitch`, and the element of each candidate, -1 for smooth friction."""
+    names, owners, elements = [law.element for law in laws], [-1] * len(units), []
+    formed = modal.eqs.formed
+    places = {unilateral_row(formed, name).name: k for k, name in enumerate(modal.ropes)}
+    for place, name in enumerate(modal.joints):
+        first, rows = names.index(name), names.count(name)
+        touch = laws[first].touch
+        gap = 0 if touch is None else len(modal.joints) + places[touch.row] + 1
+        elements.append(
+            pack(SwitchingElement, candidate=first, rows=rows, gap=gap, unit=units[first], mode=LOOSE)
+        )
+        owners[first : first + rows] = [place] * rows
+    for k in range(len(modal.ropes)):
+        candidate = len(laws) + k
+        elements.append(
+            pack(SwitchingElement, candidate=candidate, rows=1, is_rope=1.0, unit=units[candidate], mode=LOOSE)
+        )
+        owners[candidate] = len(modal.joints) + k
+    return elements, owners
 
 
 def _size(function: CompiledFunction) -> int:
