@@ -15,7 +15,7 @@ have two solutions or none (Painleve 1895): the efforts are NaN there rather tha
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.joint_axes import free_directions, perpendiculars
@@ -60,9 +60,12 @@ class FrictionSolver:
         stress = self_stress(formed) if reads else None
         self.stress = stress if stress and stress.blocks else None
         self.loads = self.affine([x.index for x in self.stress.values(formed)] if self.stress else [])
-        self.coupled = [
-            k for k, law in enumerate(self.laws) if law.is_coupled
-        ]  # fmt: skip
+        by_element: dict[str, list[int]] = {}
+        for k, law in enumerate(self.laws):
+            if law.is_coupled:
+                by_element.setdefault(law.element, []).append(k)
+        # laws that read one reaction: both directions of a contact
+        self.coupled = list(by_element.values())
         efforts = [law.effort.index for law in self.laws]
         slopes, rest = linear_coefficients(
             self.graph, [force.index for force in formed.dynamics.forcing], efforts
@@ -75,25 +78,31 @@ class FrictionSolver:
         given = [self.independent_effort(law) for law in self.laws]
         base = self._with_shares(self.base(given), is_whole=True)
         if not self.coupled:
-            return self._store_resistance(base, {}, [], [])
-        weights = [-(self.laws[k].slip * self.laws[k].strength) for k in self.coupled]
-        responses = [self._with_shares(self.response(k), is_whole=False) for k in self.coupled]
-        parts = [self._reaction_parts(self.laws[k], base, responses) for k in self.coupled]
-        start = [first for first, _ in parts]
-        change = [[_scale(a, c) for a, c in zip(rest, weights, strict=True)] for _, rest in parts]
-        normals = self._normals(start, change)
-        margins = _pivots([[_length(d) for d in row] for row in change], self.zero)
+            return self._store_resistance(base, [], [], [])
+        responses = [self._with_shares(self._slip_response(group), is_whole=False) for group in self.coupled]
+        laws = [self.laws[group[0]] for group in self.coupled]
+        parts = [self._reaction_parts(law, base, responses) for law in laws]
+        reactions = [_Reaction(first, rest, law.touch is None) for law, (first, rest) in zip(laws, parts, strict=True)]
+        normals = self._normals(reactions)
+        margins = _pivots([reaction.gains for reaction in reactions], self.zero)
         residuals = [
-            self._residual(n, _add_combination(a, row, normals))
-            for n, a, row in zip(normals, start, change, strict=True)
+            _residual(normal, reaction.norm(normals))
+            for normal, reaction in zip(normals, reactions, strict=True)
         ]
         normals = _invalidate_doubtful(normals, margins, residuals)
         found = base
-        for n, c, response in zip(normals, weights, responses, strict=True):
-            found = [x + y * (c * n) for x, y in zip(found, response, strict=True)]
-        return self._store_resistance(
-            found, dict(zip(self.coupled, normals, strict=True)), residuals, margins
-        )
+        for normal, response in zip(normals, responses, strict=True):
+            found = [x + y * normal for x, y in zip(found, response, strict=True)]
+        return self._store_resistance(found, normals, residuals, margins)
+
+    def _slip_response(self, group: list[int]) -> list[Expr]:
+        """Return how all unknowns answer to the friction that slips with a reaction of 1."""
+        total: list[Expr] = []
+        for k in group:
+            weight = -(self.laws[k].slip * self.laws[k].strength)
+            response = [x * weight for x in self.response(k)]
+            total = [x + y for x, y in zip(total, response, strict=True)] if total else response
+        return total
 
     def independent_effort(self, law: FrictionLaw) -> Expr:
         """Return the effort, 0 where it depends on reactions."""
@@ -149,29 +158,31 @@ class FrictionSolver:
             total = total + x * y
         return total
 
-    def _normals(self, start: list[list[Expr]], change: list[list[list[Expr]]]) -> list[Expr]:
+    def _normals(self, reactions: list[_Reaction]) -> list[Expr]:
         """Return N with ``N_j = |start_j + sum of change_jk N_k|``."""
-        if len(start) == 1:
-            (a,), (d,) = start, change[0]
+        if len(reactions) == 1 and reactions[0].is_norm:
+            a, d = reactions[0].start, reactions[0].change[0]
             p, q = _dot(a, d), _dot(d, d)
             return [(p + sqrt(maximum(p * p + (1 - q) * _dot(a, a), _TINY))) / (1 - q)]
-        normals = [_length(a) for a in start]
-        for _ in range(_STEPS):
-            units = [_unit(_add_combination(a, row, normals)) for a, row in zip(start, change, strict=True)]
-            matrix = [[-_dot(e, d) for d in row] for e, row in zip(units, change, strict=True)]
+        normals = [reaction.norm() for reaction in reactions]
+        for _ in range(_STEPS if any(reaction.is_norm for reaction in reactions) else 1):
+            units = [reaction.direction(normals) for reaction in reactions]
+            matrix = [
+                [-_dot(e, d) for d in reaction.change] for e, reaction in zip(units, reactions, strict=True)
+            ]
             for k in range(len(matrix)):
                 matrix[k][k] = matrix[k][k] + 1
-            normals = _solve_linear(matrix, [_dot(e, a) for e, a in zip(units, start, strict=True)])
+            starts = [_dot(e, reaction.start) for e, reaction in zip(units, reactions, strict=True)]
+            normals = _solve_linear(matrix, starts)
         return normals
 
-    def _residual(self, normal: Expr, vector: list[Expr]) -> Expr:
-        length = _length(vector)
-        return (normal - length).apply(ABS) / (normal.apply(ABS) + length)
-
     def _store_resistance(
-        self, solution: list[Expr], normals: dict[int, Expr], residuals: list[Expr], margins: list[Expr]
+        self, solution: list[Expr], found: list[Expr], residuals: list[Expr], margins: list[Expr]
     ) -> tuple[list[Expr], list[Expr]]:
         """Store the friction, return u' and the multipliers."""
+        normals = {
+            k: normal for group, normal in zip(self.coupled, found, strict=False) for k in group
+        }  # fmt: skip
         n, m, end = len(self.formed.u), len(self.formed.rows), len(self.unknowns)
         nodes = {node: value.index for node, value in zip(self.unknowns, solution[:end], strict=True)}
         if self.stress:
@@ -197,8 +208,49 @@ class FrictionSolver:
 
     def _fill_laws(self, values: list[Expr], other: Expr) -> list[Expr]:
         """Return values of the coupled laws with another one for the rest."""
-        found = dict(zip(self.coupled, values, strict=True)) if values else {}
+        pairs = zip(self.coupled, values, strict=False)
+        found = {k: value for group, value in pairs for k in group}
         return [found.get(k, other) for k in range(len(self.laws))]
+
+
+class _Reaction(NamedTuple):
+    """A reaction that friction reads, ``start + sum of change_k N_k``.
+
+    Attributes
+    ----------
+    is_norm : bool
+        Whether N is its magnitude; else it has one component, which is never negative: that of a contact.
+    """
+
+    start: list[Expr]
+    change: list[list[Expr]]
+    is_norm: bool
+
+    @property
+    def gains(self) -> list[Expr]:
+        """By how much N changes at most with each of the others."""
+        return [_length(d) if self.is_norm else d[0] for d in self.change]
+
+    def vector(self, normals: Sequence[Expr]) -> list[Expr]:
+        """Return the reaction; without friction if there are no N yet."""
+        return _add_combination(self.start, self.change, list(normals)) if normals else self.start
+
+    def norm(self, normals: Sequence[Expr] = ()) -> Expr:
+        """Return N for what friction it makes."""
+        vector = self.vector(normals)
+        return _length(vector) if self.is_norm else vector[0]
+
+    def direction(self, normals: Sequence[Expr]) -> list[Expr]:
+        """Return the unit vector along the reaction."""
+        if self.is_norm:
+            return _unit(self.vector(normals))
+        return [number(self.start[0].graph, 1)]
+
+
+def _residual(normal: Expr, other: Expr) -> Expr:
+    """Return the difference of two magnitudes over their sum."""
+    size = maximum(normal.apply(ABS) + other.apply(ABS), sqrt(number(normal.graph, 1) * _TINY))
+    return (normal - other).apply(ABS) / size
 
 
 def normal_load(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:

@@ -209,6 +209,8 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
         if row.coordinate:
             name = effort_name(formed.topology.joint(row.element), row.coordinate)
             yield Component(f"effort {name}", row.coordinate in turning), multiplier
+        elif row.gap != "" and row.gap != row.element:  # points of a contact, whose wrench is that of all
+            yield Component(row.name, is_moment=False), multiplier
         elif row.name in holding:
             law = holding[row.name]
             yield Component(f"friction {law.name}", law.coordinate in turning), multiplier
