@@ -106,7 +106,9 @@ def test_the_order_of_stops_does_not_matter(order: tuple[int, ...]) -> None:
 def arm(**stop: object) -> sb.EquationSet:
     """Return an arm that falls from above onto a stop for its angle."""
     body = sb.Body("Arm", mass=2.0, inertia=(0, 0, 0.1), frames={"hip": sb.Frame(at=(-0.5, 0, 0))})
-    hinge = sb.Revolute("hip", "ground", body["hip"], axis="z", coordinate="phi", torque=sb.Drive(applied="T"))
+    hinge = sb.Revolute(
+        "hip", "ground", body["hip"], axis="z", coordinate="phi", torque=sb.Drive(applied="T")
+    )
     rest = sb.Stop("rest", "phi + pi/6", **stop)  # type: ignore[arg-type]
     model = sb.Model("arm", [hinge, rest], gravity=(0, -G, 0), inputs=["T"], initial={"phi": 1.0})
     return sb.form_equations(model)
@@ -147,7 +149,10 @@ def test_assembly_equilibrium_and_linear_equations_know_closed_gaps() -> None:
 @pytest.mark.parametrize("value", [-0.1, 1.5])
 def test_restitution_is_a_share(value: float) -> None:
     with pytest.raises(sb.ModelError, match=r"restitution|from 0 to 1"):
-        sb.Model("m", [sb.Prismatic("rail", "ground", sb.Body("B", mass=1)), sb.Stop("s", "rail", restitution=value)])
+        sb.Model(
+            "m",
+            [sb.Prismatic("rail", "ground", sb.Body("B", mass=1)), sb.Stop("s", "rail", restitution=value)],
+        )
 
 
 def test_a_gap_does_not_depend_on_speeds() -> None:

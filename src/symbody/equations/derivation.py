@@ -9,6 +9,7 @@ from typing import Final
 from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
 from symbody.equations.contacts.contact_frames import add_contact_frames
+from symbody.equations.contacts.rigid_contacts import contact_friction
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
 from symbody.equations.elimination.coupled_coordinates import NONE_COUPLED, solve_couplings
 from symbody.equations.elimination.dependent_speeds import eliminate_speeds, elimination_notes, named_speeds
@@ -31,7 +32,6 @@ from symbody.equations.kinematics.motion import Kinematics, form_kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.placements import differentiate_constraints, differentiate_placements
 from symbody.equations.kinematics.variables import JointRole, Variables, form_variables
-from symbody.equations.contacts.rigid_contacts import contact_friction
 from symbody.equations.loads.friction import form_friction
 from symbody.equations.loads.loads import form_loads
 from symbody.equations.massless.force_balances import (

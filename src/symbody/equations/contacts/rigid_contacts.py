@@ -1,4 +1,4 @@
-"""Rigid contacts: the rows of their gaps, and the friction across the normal, which reads their multipliers."""
+"""Rigid contacts: the rows of their gaps, and friction across the normal, which reads their multipliers."""
 
 from __future__ import annotations
 

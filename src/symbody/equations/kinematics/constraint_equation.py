@@ -39,9 +39,9 @@ class ConstraintEquation:
     is_balance : bool
         Whether it is the balance of forces along a motion that moves no mass, which transmits nothing.
     gap : str
-        Of a one-sided row the name of what is open or closed: its element, with a number if that has several.
+        Of a one-sided row what is open or closed: its element, with a number if that has several.
     sense : int
-        The sign that the value may have where the row is one-sided, as is that of the multiplier then; else 0.
+        The sign that value and multiplier may have where the row is one-sided, else 0.
     restitution : Expr or None
         Of a one-sided row, the share of its rate with which it opens after an impact; None for 0.
     """

@@ -1,7 +1,8 @@
 """Dry friction of joints and rigid contacts: what is known of it before the reactions are.
 
-The effort of each joint with friction, and along each direction of a contact, is an unknown of its own, a symbol like a multiplier: all equations of
-motion are linear in it. `solving.friction` finds it together with the accelerations.
+The effort of each joint with friction, and along each direction of a contact, is an unknown of its own, a
+symbol like a multiplier: all equations of motion are linear in it. `solving.friction` finds it together with
+the accelerations.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from symbody.spatial.vector import Vector
 
 @dataclass(frozen=True, slots=True)
 class FrictionLaw:
-    """Dry friction along the coordinate of a joint or in a contact: effort ``-slip*strength*N`` on the end body.
+    """Dry friction along the coordinate of a joint or in a contact: ``-slip*strength*N`` on the end body.
 
     Attributes
     ----------
@@ -114,7 +115,9 @@ class FrictionLaw:
         """What it does to the equations of motion."""
         if self.touch is None:
             return (GeneralizedForce(self.rate, self.effort, self.coordinate),)
-        return opposite_forces(self.touch.frames, self.touch.reach, self.touch.point, self.touch.direction * self.effort)
+        return opposite_forces(
+            self.touch.frames, self.touch.reach, self.touch.point, self.touch.direction * self.effort
+        )
 
 
 # A slip below this has no direction [m/s].

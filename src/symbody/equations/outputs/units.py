@@ -11,8 +11,8 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.dimensions import expression_unit
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
-from symbody.model.joint import Joint
 from symbody.model.constraints import Stop
+from symbody.model.joint import Joint
 from symbody.model.model import Model
 from symbody.model.output_names import FRAME_OUTPUT, MOTION_UNITS, kind_of, list_outputs, parse_derivative
 

@@ -82,7 +82,9 @@ class FrictionSolver:
         responses = [self._with_shares(self._slip_response(group), is_whole=False) for group in self.coupled]
         laws = [self.laws[group[0]] for group in self.coupled]
         parts = [self._reaction_parts(law, base, responses) for law in laws]
-        reactions = [_Reaction(first, rest, law.touch is None) for law, (first, rest) in zip(laws, parts, strict=True)]
+        reactions = [
+            _Reaction(first, rest, law.touch is None) for law, (first, rest) in zip(laws, parts, strict=True)
+        ]
         normals = self._normals(reactions)
         margins = _pivots([reaction.gains for reaction in reactions], self.zero)
         residuals = [

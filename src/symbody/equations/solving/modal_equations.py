@@ -15,8 +15,8 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import STILL, FrictionLaw
-from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
 from symbody.equations.solving.sticking import holding_row, switching_joints
+from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
 from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, LT, SELECT

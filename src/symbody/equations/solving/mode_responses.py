@@ -1,7 +1,7 @@
 """What decides about modes: how dry joints, ropes and stops answer to each other's efforts.
 
-Candidates are the joints whose friction is not known beforehand, then ropes and stops. No row of a candidate holds
-here: the efforts of all are unknown, and accelerations and reactions are affine in them.
+Candidates are the joints whose friction is not known beforehand, then ropes and stops. No row of a candidate
+holds here: the efforts of all are unknown, and accelerations and reactions are affine in them.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import FrictionSolver, normal_load
-from symbody.equations.solving.unilateral import gap_scale, open_gaps, unilateral_elements, unilateral_row
 from symbody.equations.solving.solution import solve_linear
 from symbody.equations.solving.sticking import holding_row
+from symbody.equations.solving.unilateral import gap_scale, open_gaps, unilateral_elements, unilateral_row
 from symbody.expr.calculus import linear_coefficients
 from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Symbol, SymbolKind

@@ -18,7 +18,9 @@ class SwitchingElement(RecordLayout):
     Its mode is one of `mode_problem`: 0 while it sticks or is taut, 1 or -1 as it slips, 1 for a slack rope.
     """
 
-    candidate: int  # its place among all candidates; a contact that slips in two directions has the next one, too
+    candidate: (
+        int  # its place among all candidates; a contact that slips in two directions has the next one, too
+    )
     rows: int  # how many candidates it has: two in such a contact
     gap: int  # of the friction of a contact: the element that is its gap, from 1; else 0
     absent: float  # whether that gap is open, so that there is no friction

@@ -219,8 +219,8 @@ def find_impulses(modes: ModeSwitch) -> int:
 
     Poisson's hypothesis with friction: impulses that end the approach, then their share of restitution, then
     those that end what approaches still; those across are within friction of those along the normals, in
-    both phases [Glocker & Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear Dynamics
-    7, 1995]. If the energy would rise the shares are lowered [Glocker, Energetic consistency conditions for
+    both phases [Glocker & Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear
+    Dynamics 7, 1995]. If the energy would rise the shares are lowered [Glocker, Energetic consistency conditions for
     standard impacts, Multibody Syst. Dyn. 29, 2013].
     """
     for k in range(modes.count):
@@ -319,7 +319,7 @@ def rate_behind(modes: ModeSwitch, i: int) -> float:
 
 
 def lost_energy(modes: ModeSwitch) -> float:
-    """Return the energy that the impulses so far lose: their work at the mean of the rates before and behind."""
+    """Return the energy that the impulses so far lose: work at the mean of the rates before and behind."""
     lost = 0.0
     size = 0.0
     for i in range(modes.problem.rows):

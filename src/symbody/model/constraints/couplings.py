@@ -223,7 +223,7 @@ class Constraint(ConstraintElement):
 
 
 RESTITUTION: Final = Domain(
-    "model.restitution", "restitution is {value}", "it is the share of the speed that is left after an impact",
+    "model.restitution", "restitution is {value}", "it is a share of the speed of an impact",
     "give a number from 0 to 1", 0.0, most=1.0,
 )  # fmt: skip
 
@@ -248,7 +248,7 @@ class Stop(ConstraintElement):
 
     rows: ClassVar[str] = "1 while it is closed"
     holds: ClassVar[str] = "`gap >= 0`"
-    multiplier: ClassVar[str] = "times the derivative of the gap by a coordinate: the force or torque along it"
+    multiplier: ClassVar[str] = "times the derivative of the gap by a coordinate: the effort along it"
 
     gap: Quantity = Quantity(
         "What is never negative: a formula in coordinates, parameters and t.", scope=Scope.MOTION

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, Final, final
 
-from symbody.model.contacts.contact_shapes import ContactShapes
 from symbody.model.constraints.couplings import RESTITUTION
+from symbody.model.contacts.contact_shapes import ContactShapes
 from symbody.model.contacts.normal_force import RIGID, NormalForce, NormalLaw
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
@@ -68,7 +68,9 @@ class Contact(Connection):
         fits=RESTITUTION,
     )
     friction: OptionalField[Friction, Friction] = optional(
-        DeclaredPart("Friction across the normal; of a compliant one with v0.", kind=Friction, refusal=_FRICTION)
+        DeclaredPart(
+            "Friction across the normal; of a compliant one with v0.", kind=Friction, refusal=_FRICTION
+        )
     )
 
     @property
@@ -105,7 +107,9 @@ class Contact(Connection):
         odd = [name for name in _OF_JOINTS if getattr(friction, name) is not None]
         for name in odd:
             why = "the force along the normal is known, and friction is mu times that"
-            arguments.add("contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out")
+            arguments.add(
+                "contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out"
+            )
         if friction.v0 is None and not odd:
             what = "v0 is missing"
             why = "friction of a compliant contact is a smooth function of the slip"

@@ -136,9 +136,7 @@ class ModeRecord:
         """The first mode of each element, and all changes."""
         impact = STOP_WORDS[IMPACT]
         return tuple(
-            ModeChange(t, name, mode)
-            for t, name, mode, _ in self._changes(has_first=True)
-            if mode != impact
+            ModeChange(t, name, mode) for t, name, mode, _ in self._changes(has_first=True) if mode != impact
         )
 
     @property

@@ -405,8 +405,8 @@ def mode_block(
         elements=[pack(ModeElement) for _ in range(n)],
     )  # fmt: skip
     return pack(
-        ModeSwitch, count=len(modal.names), ropes=gaps, rates=len(modal.laws), candidates=n, components=components,
-        states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
+        ModeSwitch, count=len(modal.names), ropes=gaps, rates=len(modal.laws), candidates=n,
+        components=components, states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names), out_size=deciding[1],
         moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
         fastest=1.0 / scales.time, elements=elements, places=owners, normals=[*counts, *[0] * gaps],
         units=units, are_lengths=[float(not turns) for turns in turning],
@@ -433,7 +433,9 @@ def _elements(
     for k in range(len(modal.ropes)):
         candidate = len(laws) + k
         elements.append(
-            pack(SwitchingElement, candidate=candidate, rows=1, is_rope=1.0, unit=units[candidate], mode=LOOSE)
+            pack(
+                SwitchingElement, candidate=candidate, rows=1, is_rope=1.0, unit=units[candidate], mode=LOOSE
+            )
         )
         owners[candidate] = len(modal.joints) + k
     return elements, owners
