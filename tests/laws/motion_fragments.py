@@ -190,6 +190,36 @@ def ball_on_stop() -> Fragment:
     )
 
 
+@cache
+def puck_path() -> Any:
+    """A puck pressed against an upright wall, thrown sideways: its friction turns with its velocity."""
+    def rates(_: float, y: Array) -> Array:
+        speed = math.hypot(y[2], y[3])
+        return np.array([y[2], y[3], -3.0 * y[2] / speed, -G - 3.0 * y[3] / speed])
+
+    return solve_ivp(rates, (0.0, END), [0.0, 0.0, 2.0, 1.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True).sol
+
+
+def puck_on_wall() -> Fragment:
+    """A puck of 0.5 kg pressed by 6 N against a rigid wall with mu = 0.25."""
+
+    def reference(t: Array) -> Values:
+        px, py, vx, vy = puck_path()(t)
+        return {"px": px, "py": py, "px_dot": vx, "py_dot": vy}
+
+    parts = (
+        sb.Body("Puck carrier"),
+        sb.Body("Puck", mass=0.5),
+        sb.Prismatic("press", "ground", "Puck carrier", axis="z", coordinate="pz", force=sb.Drive(applied=-6)),
+        sb.Rectangular("glide", "Puck carrier", "Puck", coordinates=["px", "py"]),
+        sb.Contact("wall", "ground", "Puck", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=0.25)),
+    )
+    return Fragment(
+        "puck on a wall", parts, reference, {"px": 1.0, "py": 5.0, "px_dot": 2.0, "py_dot": 10.0},
+        {"px": 0.0, "py": 0.0, "px_dot": 2.0, "py_dot": 1.0, "pz": 0.0},
+    )  # fmt: skip
+
+
 def rate_that_jumps() -> Fragment:
     """A slide whose rate jumps from 1 to 2 at t = 0.4, and on it a free one, which stays as fast as it was in space."""
     law = "if(t < 0.4, t, 2*t - 0.4)"
@@ -445,7 +475,7 @@ def smooth_contact() -> Fragment:
 FRAGMENTS = {
     fragment.name: fragment
     for fragment in (
-        oscillator(), dry_block(), ball_on_rope(), ball_on_stop(), bounce(), rate_that_jumps(), sampled_controller(), fmu_input(),
+        oscillator(), dry_block(), ball_on_rope(), ball_on_stop(), puck_on_wall(), bounce(), rate_that_jumps(), sampled_controller(), fmu_input(),
         table_that_jumps(), python_input(), gears(), closed_loop(), lag(), stop_event(), measured_angle(),
         quaternion(), smooth_contact(),
     )
