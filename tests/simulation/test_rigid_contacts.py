@@ -1,0 +1,142 @@
+"""Rigid contacts: rolling, sliding, impacts with friction and rest, against closed forms and published values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import symbody as sb
+from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.simulation.status import Status
+
+G = 9.81
+R = 0.1
+INERTIA = 0.4 * R**2
+
+
+def ball_on_plane(mu: float, e: float = 0.0, slope: float = 0.0, *, planar: bool = False) -> sb.EquationSet:
+    """Return a solid sphere of 1 kg over a plane, on a slope down along x."""
+    ball = sb.Body("Ball", mass=1, inertia=(INERTIA,) * 3)
+    friction = sb.Friction(mu=mu) if mu else None
+    floor = sb.Contact(
+        "floor", "ground", ball, ["plane", {"sphere": R}], normal="rigid", restitution=e, friction=friction
+    )
+    joint = sb.Planar("move", "ground", ball, axis="y") if planar else sb.Free("move", "ground", ball)
+    gravity = (G * np.sin(slope), 0, -G * np.cos(slope))
+    return sb.form_equations(sb.Model("ball", [joint, floor], gravity=gravity))
+
+
+def first(eqs: sb.EquationSet, height: float, v: tuple[float, ...], w: tuple[float, ...]) -> dict[str, float]:
+    """Return the first values of a ball: height of its lowest point, velocity and angular velocity."""
+    if len(eqs.coordinate_names) == 3:  # z, x and the angle about y
+        values = [R + height, 0.0, 0.0, v[2], v[0], w[1]]
+    else:
+        values = [0.0, 0.0, R + height, 1.0, 0.0, 0.0, 0.0, *v, *w]
+    return dict(zip((*eqs.coordinate_names, *eqs.speed_names), map(float, values), strict=True))
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize("share", [0.8, 1.25])
+def test_a_sphere_on_a_slope_rolls_with_enough_friction_and_slides_with_less(share: float, planar: bool) -> None:
+    slope = 0.4
+    mu = share * 2 / 7 * np.tan(slope)
+    eqs = ball_on_plane(mu, slope=slope, planar=planar)
+    run = sb.simulate(eqs, 1.0, first(eqs, 0.0, (0, 0, 0), (0, 0, 0)), rtol=1e-10)
+    rolls = share > 1
+    expected = 5 / 7 * G * np.sin(slope) if rolls else G * (np.sin(slope) - mu * np.cos(slope))
+    x = eqs.coordinate_names[1 if planar else 0]
+    assert 2 * run[x][-1] == pytest.approx(expected, rel=1e-8)
+    assert run.modes[0].mode.startswith("sticks" if rolls else "slips")
+    assert run["contact_force floor"][2] == pytest.approx(G * np.cos(slope), rel=1e-9)
+    assert np.abs(run["slip floor"][0, -1]) < 1e-9 if rolls else run["slip floor"][0, -1] > 0.1
+
+
+def test_a_ball_thrown_with_spin_slides_and_then_rolls() -> None:
+    eqs, mu = ball_on_plane(0.2), 0.2
+    v, w = np.array([1.0, 0.0, 0.0]), np.array([5.0, -3.0, 2.0])
+    run = sb.simulate(eqs, 1.0, first(eqs, 0.0, (*v,), (*w,)), rtol=1e-10)
+    slip = (v + np.cross(w, (0, 0, -R)))[:2]
+    (stuck,) = (event.t for event in run.events if event.name == "floor friction sticks")
+    assert stuck == pytest.approx(2 * np.linalg.norm(slip) / (7 * mu * G), rel=1e-7)
+    assert run.u[:2, -1] == pytest.approx(v[:2] - 2 / 7 * slip, rel=1e-6)
+    assert abs(run.energy_drift) < 1e-8
+
+
+@pytest.mark.parametrize("planar", [True, False])
+@pytest.mark.parametrize(("mu", "e"), [(0.05, 0.5), (0.05, 0.0), (0.6, 0.5), (0.6, 0.9), (0.0, 0.7)])
+def test_an_impact_with_friction_is_that_of_a_sphere(mu: float, e: float, planar: bool) -> None:
+    eqs = ball_on_plane(mu, e, planar=planar)
+    v = np.array([1.0, 0.0 if planar else -0.5, 0.0])
+    w = np.array([0.0, -4.0, 0.0]) if planar else np.array([3.0, -4.0, 2.0])
+    run = sb.simulate(eqs, 0.3, first(eqs, 0.3, (*v,), (*w,)), rtol=1e-10)
+    slip = (v + np.cross(w, (0, 0, -R)))[:2]
+    fall = np.sqrt(2 * G * 0.3)
+    impulse = min(2 / 7 * np.linalg.norm(slip), mu * (1 + e) * fall)
+    change = -impulse * slip / np.linalg.norm(slip)
+    place = next(k for k, event in enumerate(run.events) if event.name == "floor impact")
+    t = run.events[place].t
+    after = run.at(t + 1e-9)
+    names = eqs.speed_names
+    moved = (names[1],) if planar else names[:2]
+    assert [after[name] for name in moved] == pytest.approx((v[:2] + change)[: len(moved)], abs=1e-6)
+    assert after[names[0 if planar else 2]] == pytest.approx(e * fall, abs=1e-6)
+    assert abs(run.energy_drift) < 1e-9
+
+
+def block(e: float = 0.0, mu: float = 0.7) -> sb.EquationSet:
+    """Return a block of 0.2 by 0.5 m in its plane."""
+    inertia = (0.2**2 + 0.5**2) / 12
+    box = sb.Body("Box", mass=1, inertia=(inertia,) * 3)
+    floor = sb.Contact(
+        "floor", "ground", box, ["plane", {"box": [0.2, 0.1, 0.5]}], normal="rigid", restitution=e,
+        friction=sb.Friction(mu=mu),
+    )  # fmt: skip
+    joint = sb.Planar("move", "ground", box, axis="y", coordinates=["z", "x", "tilt"])
+    return sb.form_equations(sb.Model("block", [joint, floor], gravity=(0, 0, -G)))
+
+
+def test_a_rocking_block_loses_what_housner_says() -> None:
+    tilt = 0.1
+    start = {"tilt": tilt, "z": 0.25 * np.cos(tilt) + 0.1 * np.sin(tilt), "x": 0.0}
+    run = sb.simulate(block(), 0.5, start, rtol=1e-10)
+    strikes = [event for event in run.events if event.name.endswith("impact")]
+    t = strikes[0].t
+    rates = strikes[0].state["tilt_dot"], float(run.at(t + 1e-9)["tilt_dot"])
+    assert rates[1] / rates[0] == pytest.approx(1 - 1.5 * np.sin(np.arctan(0.2 / 0.5)) ** 2, rel=1e-6)
+
+
+def test_a_block_at_rest_stays_where_it_is() -> None:
+    run = sb.simulate(block(), 1000.0, {"tilt": 0.0, "z": 0.25, "x": 0.0})
+    assert np.abs(run["x"]).max() < 1e-9 and np.abs(run["z"] - 0.25).max() < 1e-9
+    assert run["contact_force floor"][2] == pytest.approx(G, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_impacts_in_several_points_never_raise_the_energy(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    eqs = block(e=float(rng.uniform(0, 1)), mu=float(rng.uniform(0.05, 1.2)))
+    tilt = float(rng.uniform(-1.2, 1.2))
+    start = {"tilt": tilt, "z": 0.6, "x": 0.0, "x_dot": float(rng.normal()), "tilt_dot": float(3 * rng.normal())}
+    run = sb.simulate(eqs, 1.5, start, max_steps=20_000)
+    assert run.status in (Status.SUCCESS, Status.FRICTION, Status.CHATTERING)
+    energy = run["energy"]
+    assert np.diff(energy).max() <= 1e-7 * np.abs(energy).max()
+    assert run["gap floor"].min() > -1e-7
+    force = run["contact_force floor"]
+    assert force[2].min() >= -1e-6
+
+
+def test_what_a_rigid_contact_cannot_have_is_refused() -> None:
+    for friction in (sb.Friction(mu=0.3, radius=0.1), sb.Friction(mu=0.3, mu_y=0.2)):
+        with pytest.raises(sb.ModelError, match="contact.friction"):
+            sb.Contact("c", "ground", "B", ["plane", "point"], normal="rigid", friction=friction)
+    with pytest.raises(sb.ModelError, match="restitution"):
+        sb.Contact("c", "ground", "B", ["plane", "point"], normal=sb.NormalForce(stiffness=1), restitution=0.5)
+    with pytest.raises(sb.ModelError, match="rigid"):
+        sb.Contact("c", "ground", "B", ["plane", "point"], normal="stiff")
+
+
+def test_the_mode_of_a_gap_is_open_or_closed() -> None:
+    eqs = ball_on_plane(0.2)
+    run = sb.simulate(eqs, 0.5, first(eqs, 0.3, (0, 0, 0), (0, 0, 0)))
+    assert run["mode floor"][0] == 0.0 and run["mode floor"][-1] == float(LOOSE)
