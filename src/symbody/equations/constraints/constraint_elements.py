@@ -44,6 +44,7 @@ from symbody.model.constraints import (
     Stop,
 )
 from symbody.model.contacts.contact import Contact
+from symbody.model.element import Element
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import cross, dot, vector
 
@@ -86,7 +87,7 @@ def _cosine_equation(
 
 # Each maker takes the class it stands beside.
 _MAKERS: Final[
-    Mapping[type[ConstraintElement], Callable[[Names, Kinematics, Any], Iterator[ConstraintEquation]]]
+    Mapping[type[Element], Callable[[Names, Kinematics, Any], Iterator[ConstraintEquation]]]
 ] = MappingProxyType(
     {
         Distance: distance_equations,

@@ -23,7 +23,6 @@ from symbody.expr.expression import Expr, number
 from symbody.expr.graph import Graph, Symbol, SymbolKind
 from symbody.expr.printing.text import to_text
 from symbody.expr.rewrite import substitute, symbols_of
-from symbody.model.constraint import ConstraintElement
 from symbody.model.constraints.couplings import (
     Belt,
     Constraint,
@@ -32,6 +31,7 @@ from symbody.model.constraints.couplings import (
     JointCoupling,
     RackPinion,
 )
+from symbody.model.element import Element
 from symbody.model.model import Model
 from symbody.single_flight import SingleFlight
 
@@ -246,7 +246,7 @@ def _written_equations(names: Names, constraint: Constraint) -> Iterator[_Equati
 _Equation = tuple[str, Expr, tuple[str, ...]]
 
 # Each function takes the class it stands beside.
-_EQUATIONS: Final[Mapping[type[ConstraintElement], Callable[[Names, Any], Iterator[_Equation]]]] = {
+_EQUATIONS: Final[Mapping[type[Element], Callable[[Names, Any], Iterator[_Equation]]]] = {
     Gear: _coupling_equation,
     RackPinion: _coupling_equation,
     Belt: _coupling_equation,

@@ -29,9 +29,8 @@ from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT
 from symbody.expr.rewrite import substitute
-from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Distance, Rolling
-from symbody.model.joint import Joint
+from symbody.model.declarations.element_fields import Connection
 from symbody.model.output_names import WRENCH
 from symbody.single_flight import SingleFlight
 from symbody.spatial.vector import dot
@@ -259,7 +258,7 @@ def _squared_length(formed: EquationsOfMotion) -> Expr:
     of a rod or radius of a wheel.
     """
     zero, tree = number(formed.graph, 0), formed.kinematics.tree
-    links: list[Joint | FrameConstraint] = [*formed.topology.model.joints, *formed.topology.contacts.values()]
+    links: list[Connection] = [*formed.topology.model.joints, *formed.topology.contacts.values()]
     frames: dict[str, list[str]] = {}
     for end in (end for link in links for end in (link.start, link.end)):
         own = frames.setdefault(end.body, [])

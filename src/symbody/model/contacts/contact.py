@@ -8,7 +8,7 @@ from typing import ClassVar, Final, final
 
 from symbody.model.constraints.couplings import RESTITUTION
 from symbody.model.contacts.contact_shapes import ContactShapes
-from symbody.model.contacts.normal_force import RIGID, NormalForce, NormalLaw
+from symbody.model.contacts.normal_force import RIGID, NormalLaw
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import Connection, element
@@ -61,7 +61,7 @@ class Contact(Connection):
     )  # fmt: skip
 
     shapes: ContactShapes = ContactShapes("The shape on start and that on end.")
-    normal: NormalLaw = NormalLaw('The force along the normal, or "rigid".', kind=NormalForce)
+    normal: NormalLaw = NormalLaw('The force along the normal, or "rigid".')
     restitution: Quantity = Quantity(
         "Of a rigid contact: the share of its rate with which the gap opens after an impact.",
         default=0,

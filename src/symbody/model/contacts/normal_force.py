@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any, ClassVar, Final, final
 
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.declaration import Declared
-from symbody.model.declarations.field import FileTarget, NewNames, Node
+from symbody.model.declarations.field import Field, FileTable, FileTarget, NewNames, Node
 from symbody.model.declarations.fields import DeclaredPart, OptionalQuantity, Quantity, part, read_part
-from symbody.model.declarations.formula_site import FormulaSite, Scope
+from symbody.model.declarations.formula_site import Scope
 from symbody.model.declarations.misfits import Misfit, Path, Schema
 from symbody.model.loads.curve import Law, LawValue, SpringLaw
-from symbody.model.numeric_checks import Domain, NumericChecks
+from symbody.model.numeric_checks import Domain
 
 RIGID: Final = "rigid"  # in place of a law
 # What a law of the user may read beside the names of loads.
@@ -127,20 +128,23 @@ class NormalForce(Declared):
                 _refuse(arguments, name, f"{name} requires {partner}, which is missing", why)
 
 
-class NormalLaw(DeclaredPart[NormalForce | str]):
+@dataclass(frozen=True, eq=False, repr=False)
+class NormalLaw(Field[NormalForce | str, NormalForce | str]):
     """The law of a contact along its normal, or "rigid"."""
 
     role: ClassVar[str] = "normal_law"
+    takes: ClassVar[str] = 'NormalForce or "rigid"'
+    annotation: ClassVar[str] = "NormalForce | str"
 
-    def __post_init__(self) -> None:
-        """Say what it takes."""
-        object.__setattr__(self, "takes", 'NormalForce or "rigid"')
-        object.__setattr__(self, "annotation", "NormalForce | str")
+    _: KW_ONLY
+    inner: DeclaredPart[NormalForce] = field(default_factory=lambda: DeclaredPart(kind=NormalForce))
 
     def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> NormalForce | str:
         """Return the law; one without force stands for what is none."""
-        if isinstance(value, NormalForce) or value == RIGID:
-            return RIGID if value == RIGID else value  # type: ignore[return-value]
+        if isinstance(value, NormalForce):
+            return value
+        if isinstance(value, str) and value == RIGID:
+            return RIGID
         what = f"{value!r} is not a normal force"
         why = "the force is a law of the gap and its rate, or what keeps rigid shapes apart"
         arguments.add("contact.normal", path, what, why, 'give NormalForce(stiffness=.., ..), or "rigid"')
@@ -148,11 +152,15 @@ class NormalLaw(DeclaredPart[NormalForce | str]):
 
     def schema(self) -> Schema:
         """Return the word, or its table."""
-        return {"anyOf": [{"type": "string", "enum": [RIGID]}, DeclaredPart.schema(self)]}
+        return {"anyOf": [{"type": "string", "enum": [RIGID]}, self.inner.schema()]}
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of the table."""
-        return () if isinstance(entry, str) else DeclaredPart.misfits(self, entry, path)
+        return () if isinstance(entry, str) else self.inner.misfits(entry, path)
+
+    def tables(self) -> Iterable[FileTable]:
+        """Return its table."""
+        return self.inner.tables()
 
     def from_file(self, entry: object, arguments: Arguments, path: str, folder: str) -> object:
         """Return the law that a table describes; one without force for a table with faults."""
@@ -162,20 +170,15 @@ class NormalLaw(DeclaredPart[NormalForce | str]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return the word, or its table."""
-        return value if value == RIGID else DeclaredPart.to_file(self, owner, value, target)
+        return value if isinstance(value, str) else self.inner.to_file(owner, value, target)
 
     def rename(self, value: Any, names: NewNames) -> NormalForce | str:
         """Return the law in the new names."""
-        return RIGID if value == RIGID else DeclaredPart.rename(self, value, names)
+        return value if isinstance(value, str) else self.inner.rename(value, names)
 
-    def formula_sites(self, owner: Any, value: Any, path: str) -> Iterator[FormulaSite]:
-        """Return where its formulas stand."""
-        return iter(()) if value == RIGID else DeclaredPart.formula_sites(self, owner, value, path)
-
-    def check_numbers(self, check: NumericChecks, owner: Any, value: Any, where: str) -> None:
-        """Note its numbers that cannot be."""
-        if value != RIGID:
-            DeclaredPart.check_numbers(self, check, owner, value, where)
+    def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
+        """Return the law as one of its role."""
+        return () if isinstance(value, str) else ((self.inner, value, path),)
 
 
 _FORCELESS: Final = NormalForce(stiffness=0)

@@ -22,11 +22,15 @@ Places = NDArray[np.intp]
 _FIRST_ROOM: Final = 16
 _MOST_NOTES: Final = 20  # of shocks
 _MODES: Final = (-1, 0, 1)
-JOINT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips forward", -1: "slips backward"})
-ROPE_WORDS: Final = MappingProxyType({HOLDS: "taut", 1: "slack"})
-CONTACT_WORDS: Final = MappingProxyType({HOLDS: "sticks", 1: "slips"})
 IMPACT: Final = -1  # no mode of a stop: its place among the words is that of an impact
-STOP_WORDS: Final = MappingProxyType({HOLDS: "closed", 1: "open", IMPACT: "impact"})
+MODE_WORDS: Final[Mapping[str, Mapping[int, str]]] = MappingProxyType(
+    {
+        "joint": {HOLDS: "sticks", 1: "slips forward", -1: "slips backward"},
+        "contact": {HOLDS: "sticks", 1: "slips"},
+        "rope": {HOLDS: "taut", 1: "slack"},
+        "stop": {HOLDS: "closed", 1: "open", IMPACT: "impact"},
+    }
+)
 
 
 class ModalElements(NamedTuple):
@@ -36,13 +40,18 @@ class ModalElements(NamedTuple):
     ----------
     joints, gaps : tuple of str
         Joints that stick and slip; then ropes and stops.
-    words : tuple of mapping
-        What the modes of each are called.
+    kinds : tuple of str
+        What each is, one of `MODE_WORDS`.
     """
 
     joints: tuple[str, ...] = ()
     gaps: tuple[str, ...] = ()
-    words: tuple[Mapping[int, str], ...] = ()
+    kinds: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> list[Mapping[int, str]]:
+        """What the modes of each are called."""
+        return [MODE_WORDS[kind] for kind in self.kinds]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -53,8 +62,8 @@ class ModalElements(NamedTuple):
 def modal_elements(modal: ModalEquations) -> ModalElements:
     """Return the elements of equations with modes."""
     ropes = {part.name for part in modal.eqs.model.constraints if isinstance(part, Distance)}
-    gaps = [ROPE_WORDS if name in ropes else STOP_WORDS for name in modal.ropes]
-    slips = [CONTACT_WORDS if len(modal.laws_of(name)) > 1 else JOINT_WORDS for name in modal.joints]
+    gaps = ["rope" if name in ropes else "stop" for name in modal.ropes]
+    slips = ["contact" if len(modal.laws_of(name)) > 1 else "joint" for name in modal.joints]
     return ModalElements(modal.joints, modal.ropes, (*slips, *gaps))
 
 
@@ -134,7 +143,7 @@ class ModeRecord:
     @property
     def changes(self) -> tuple[ModeChange, ...]:
         """The first mode of each element, and all changes."""
-        impact = STOP_WORDS[IMPACT]
+        impact = MODE_WORDS["stop"][IMPACT]
         return tuple(
             ModeChange(t, name, mode) for t, name, mode, _ in self._changes(has_first=True) if mode != impact
         )
@@ -187,7 +196,7 @@ def mode_changes(
     count, joints = len(elements.names), len(elements.joints)
     modes, shocks = rows[:, 3 : 3 + count].copy(), rows[:, 0] == SHOCK
     modes[~shocks] = np.rint(modes[~shocks])  # those of contacts contain a heading
-    are_stops = np.array([words is STOP_WORDS for words in elements.words], dtype=np.bool_)
+    are_stops = np.array([kind == "stop" for kind in elements.kinds], dtype=np.bool_)
     is_struck = shocks[:, np.newaxis] & (modes != 0.0) & (np.arange(count) >= joints)
     starts = np.zeros(len(rows), dtype=np.bool_)
     starts[[k for k in first if k < len(rows)]] = True
@@ -215,7 +224,7 @@ def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
     """Yield the shocks of ropes in a record in words, and how often each stop was struck."""
     shocks, joints = rows[rows[:, 0] == SHOCK], len(elements.joints)
     impulses = shocks[:, 3 : 3 + len(elements.names)]
-    are_ropes = np.array([words is ROPE_WORDS for words in elements.words], dtype=np.bool_)
+    are_ropes = np.array([kind == "rope" for kind in elements.kinds], dtype=np.bool_)
     with_ropes = shocks[(impulses[:, are_ropes] > 0.0).any(axis=1)] if are_ropes.any() else shocks[:0]
     for row in with_ropes[:_MOST_NOTES]:
         pairs = zip(elements.names[joints:], row[3 + joints :].tolist(), strict=False)
@@ -227,8 +236,8 @@ def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
             f"{len(others)} more impacts of ropes until t = {others[-1, 1]:.9g} s; "
             f"{others[:, 2].sum():.6g} J are lost"
         )
-    for place, (name, words) in enumerate(zip(elements.names, elements.words, strict=True)):
-        struck = shocks[impulses[:, place] > 0.0] if words is STOP_WORDS else shocks[:0]
+    for place, (name, kind) in enumerate(zip(elements.names, elements.kinds, strict=True)):
+        struck = shocks[impulses[:, place] > 0.0] if kind == "stop" else shocks[:0]
         if len(struck):
             times = f"{len(struck)} impacts" if len(struck) > 1 else "an impact"
             yield (
@@ -243,8 +252,7 @@ def held_modes(
     """Return the modes of elements along a motion as inputs that are held; None without any."""
     if not changes:
         return None
-    kinds = (JOINT_WORDS, CONTACT_WORDS, ROPE_WORDS, STOP_WORDS)
-    numbers = {word: float(mode) for words in kinds for mode, word in words.items()}
+    numbers = {word: float(mode) for words in MODE_WORDS.values() for mode, word in words.items()}
     times = np.unique([change.t for change in changes])
     values = np.empty((len(inputs), times.size))
     for change in changes:

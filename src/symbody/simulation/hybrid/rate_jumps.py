@@ -25,8 +25,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.graph.linear_graph import Edge, breadth_first
-from symbody.model.constraint import FrameConstraint
-from symbody.model.joint import Joint
+from symbody.model.declarations.element_fields import Connection
 from symbody.model.naming import GROUND
 from symbody.simulation.native.strikes import Strike
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -254,7 +253,7 @@ def struck_friction(formed: EquationsOfMotion, *, switches: bool) -> list[str]:
     return [name for name in loaded if body[name] in reached]
 
 
-def _links(formed: EquationsOfMotion) -> list[Joint | FrameConstraint]:
+def _links(formed: EquationsOfMotion) -> list[Connection]:
     """Return all that connects two frames."""
     return [*formed.topology.joints, *formed.topology.contacts.values()]
 
