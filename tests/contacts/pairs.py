@@ -66,7 +66,9 @@ def scene(
 @cache
 def geometry(words: tuple[str, str]) -> Callable[..., Sequence[Floats]]:
     """The function of the geometry of two shapes."""
-    function: Callable[..., Sequence[Floats]] = sb.compile(sb.form_equations(scene(words)), OUTPUTS, quick=True)
+    function: Callable[..., Sequence[Floats]] = sb.compile(
+        sb.form_equations(scene(words)), OUTPUTS, quick=True
+    )
     return function
 
 
@@ -74,7 +76,9 @@ def pose(words: tuple[str, str], seed: int, gap: float) -> tuple[Floats, Floats]
     """Random coordinates and rates, B moved along the normal until the gap is the one asked for."""
     chance, function = np.random.default_rng(seed), geometry(words)
     q, u = chance.uniform(-0.6, 0.6, 12), chance.uniform(-1, 1, 12)
-    q[6:9] = q[:3] + chance.uniform(-0.3, 0.3, 3) * (1 if {*words} & {"socket", "hole", "height", "plane"} else 3)
+    q[6:9] = q[:3] + chance.uniform(-0.3, 0.3, 3) * (
+        1 if {*words} & {"socket", "hole", "height", "plane"} else 3
+    )
     if words == ("box", "point") and gap < 0:  # the nearest face changes inside: stay below one
         _, _, r, R, other = function(0.0, q, u)
         q[6:9] += r + R @ (0.03, -0.05, 0.25 + gap) - other

@@ -143,7 +143,11 @@ def balls(gap: float, order: tuple[int, ...] = (0, 1, 2)) -> list[float]:
     sphere = {"sphere": 0.1}
     contacts = [sb.Contact(f"C{k}", bodies[k], bodies[k + 1], [sphere, sphere], normal=law) for k in range(2)]
     start = {"x0": 0, "x1": 0.2 + gap, "x2": 0.4 + 2 * gap, "x0_dot": 1}
-    parts = [*(bodies[k] for k in order), *(rails[k] for k in order), *contacts[:: 1 if order[0] == 0 else -1]]
+    parts = [
+        *(bodies[k] for k in order),
+        *(rails[k] for k in order),
+        *contacts[:: 1 if order[0] == 0 else -1],
+    ]
     run = sb.simulate(sb.form_equations(sb.Model("row", parts, initial=start)), 0.05, times=[0, 0.05],
                       rtol=1e-11, atol=1e-12)  # fmt: skip
     return [float(run[f"x{k}_dot"][-1]) for k in range(3)]

@@ -38,7 +38,9 @@ def test_derivatives_are_those_of_differences(words: tuple[str, str]) -> None:
     model = scene(words)
     q, u = pose(words, 4, -0.02)
     eqs = sb.form_equations(model)
-    function = sb.compile(eqs, ["udot", "d udot/d q", "d udot/d u", "gap touch", "d gap touch/d q"], quick=True)
+    function = sb.compile(
+        eqs, ["udot", "d udot/d q", "d udot/d u", "gap touch", "d gap touch/d q"], quick=True
+    )
     _, by_q, by_u, _, gap_by_q = function(0.0, q, u)
     for k, step in enumerate(np.eye(12) * 1e-6):
         ahead, back = function(0.0, q + step, u), function(0.0, q - step, u)
@@ -78,8 +80,8 @@ def test_friction_opposes_the_slip() -> None:
     words = ("plane", "sphere")
     model = scene(words, LAW, FRICTION)
     q, u = pose(words, 6, -0.01)
-    slip, force = sb.compile(
-        sb.form_equations(model), ["slip touch", "contact_force touch"], quick=True
-    )(0.0, q, u)
+    slip, force = sb.compile(sb.form_equations(model), ["slip touch", "contact_force touch"], quick=True)(
+        0.0, q, u
+    )
     speed = np.hypot(*slip)
     np.testing.assert_allclose(force[:2], -0.4 * force[2] * slip / np.hypot(speed, 0.05), rtol=1e-13)

@@ -30,7 +30,7 @@ TOLERANCE = 1e-9
 
 def world(words: tuple[str, str]) -> Any:
     """The first body is placed, the second is free: MuJoCo looks for no contact of two that cannot move."""
-    first, second = (f'<geom {GEOMS[word]}/>' for word in words)
+    first, second = (f"<geom {GEOMS[word]}/>" for word in words)
     return mujoco.MjModel.from_xml_string(
         f'<mujoco><worldbody><body mocap="true">{first}</body><body><freejoint/>{second}</body></worldbody></mujoco>'
     )
@@ -47,7 +47,15 @@ def test_gap_normal_and_point_are_those_of_mujoco(words: tuple[str, str]) -> Non
     model = scene(words)
     function = sb.compile(
         sb.form_equations(model),
-        ["gap touch", "frame r touch", "frame R touch", "frame r A.s", "frame R A.s", "frame r B.s", "frame R B.s"],
+        [
+            "gap touch",
+            "frame r touch",
+            "frame R touch",
+            "frame r A.s",
+            "frame R A.s",
+            "frame r B.s",
+            "frame R B.s",
+        ],
         quick=True,
     )
     theirs = world(words)
@@ -67,4 +75,8 @@ def test_gap_normal_and_point_are_those_of_mujoco(words: tuple[str, str]) -> Non
                 deepest = min(range(data.ncon), key=lambda k: data.contact[k].dist)
                 assert data.contact[deepest].dist == pytest.approx(gap, abs=TOLERANCE), (seed, asked)
                 np.testing.assert_allclose(data.contact[deepest].pos, r, atol=TOLERANCE)
-                np.testing.assert_allclose(data.contact[deepest].frame[:3], R[:, 2] * (1 - 2 * data.contact[deepest].geom[0]), atol=TOLERANCE)
+                np.testing.assert_allclose(
+                    data.contact[deepest].frame[:3],
+                    R[:, 2] * (1 - 2 * data.contact[deepest].geom[0]),
+                    atol=TOLERANCE,
+                )

@@ -31,8 +31,8 @@ from symbody.model.output_arguments import (
 # Headings of the editor's tree and of lists of outputs, in their order.
 TITLES: Final = (
     "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
-    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames", "Multipliers and constraint error",
-    "Equations",
+    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames",
+    "Multipliers and constraint error", "Equations",
 )  # fmt: skip
 POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
 LOADS, REACTIONS, ROPES, CONTACTS, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]

@@ -18,7 +18,7 @@ from symbody.expr.opcodes import LT
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import ZERO, Vector, components, cross, dot, vector
 
-# Squares of lengths [m^2] and of sines below which there is no direction: what is divided by a root is then 1.
+# Squares of lengths [m^2] and of sines below which there is no direction: a root is then that of 1.
 _TINY: Final = 1e-24
 
 
@@ -148,7 +148,9 @@ class ShapePair:
 
 def choose(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
     """Return one of two values by a condition."""
-    return Expr(condition.graph, canonical.select(condition.graph, condition.index, then.index, otherwise.index))
+    return Expr(
+        condition.graph, canonical.select(condition.graph, condition.index, then.index, otherwise.index)
+    )
 
 
 def is_less(a: Expr, b: Expr) -> Expr:

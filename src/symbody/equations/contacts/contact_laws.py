@@ -98,7 +98,7 @@ def dissipation_number(e: Expr) -> Expr:
     The motion of a mass against Hunt and Crossley's force keeps ``c v - ln(1 + c v)`` and the energy of the
     spring together, whatever stiffness and exponent: so ``a - ln(1 + a) = -a e - ln(1 - a e)``. With
     ``x = a (1 + e)/2`` this is ``coth x - 1/x = (1 - e)/(1 + e)``, whose left side is Langevin's function. It
-    is inverted by the fraction of Kroger, J. Non-Newtonian Fluid Mech. 223 (2015) 77, which is right to 3e-3, and
+    is inverted by the fraction of Kroger, J. Non-Newtonian Fluid Mech. 223 (2015) 77, right to 3e-3, and by
     steps of Newton.
     """
     if e.number is not None:

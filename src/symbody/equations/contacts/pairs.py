@@ -205,8 +205,8 @@ def box_and_capsule(pair: ShapePair) -> ContactGeometry:
 def _nearest_place(start: Triple, along: Triple, edges: Sequence[Expr], half: Expr) -> Expr:
     """Return where on a line, within `half` of its middle, the distance from a box is least.
 
-    The slope of the squared distance rises along the line, in straight pieces that end where it crosses planes
-    of faces. Its zero is between the last end with a slope up to 0 and the first with one from 0 on.
+    The slope of the squared distance rises along the line, in straight pieces that end where it crosses
+    planes of faces. Its zero is between the last end with a slope up to 0 and the first with one from 0 on.
     """
     graph = half.graph
     tiny, one, zero = number(graph, _PARALLEL), number(graph, 1), number(graph, 0)
@@ -223,15 +223,19 @@ def _nearest_place(start: Triple, along: Triple, edges: Sequence[Expr], half: Ex
         raises = choose(is_less(slope, tiny), place, -half)
         lowers = choose(is_less(-slope, tiny), place, half)
         low_slope = choose(is_less(raises, low), low_slope, choose(is_less(slope, tiny), slope, low_slope))
-        high_slope = choose(is_less(high, lowers), high_slope, choose(is_less(-slope, tiny), slope, high_slope))
+        high_slope = choose(
+            is_less(high, lowers), high_slope, choose(is_less(-slope, tiny), slope, high_slope)
+        )
         low, high = maximum(low, raises), minimum(high, lowers)
     is_piece = is_less(low, high)
     rise = choose(is_piece, high_slope - low_slope, one)
-    return choose(is_piece, low - low_slope * (high - low) / choose(is_less(zero, rise), rise, one), (low + high) / 2)
+    return choose(
+        is_piece, low - low_slope * (high - low) / choose(is_less(zero, rise), rise, one), (low + high) / 2
+    )
 
 
 def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
-    """Return the contact of a box and a sphere about a centre, which may be inside: then by the nearest face."""
+    """Return the contact of a box and a sphere about a centre; of one inside, by the nearest face."""
     graph = pair.kinematics.graph
     zero, one = number(graph, 0), number(graph, 1)
     place = pair.components(centre, pair.first)
@@ -260,7 +264,7 @@ def socket_and_ball(pair: ShapePair) -> ContactGeometry:
 
 
 def hole_and_ball(pair: ShapePair) -> ContactGeometry:
-    """Return the contact of a sphere, point or disc of parallel axis with the hollow cylinder that it is in."""
+    """Return the contact of a sphere, point or disc of parallel axis in a hollow cylinder."""
     axis = pair.axis(pair.first, "z")
     return _in_hollow(pair, pair.arm - axis * pair.dot(axis, pair.arm), "zx")
 

@@ -1,8 +1,8 @@
 """Contacts with curves and surfaces given by formulas: the foot point by steps of Newton, on the graph.
 
 The foot is the point of the surface whose normal goes through the centre. A fixed number of steps, each
-kept from turning back by a bound on the curvature, reaches it to rounding where the radius is less than that of
-the surface's curvature: then it is the only one.
+kept from turning back by a bound on the curvature, reaches it to rounding where the radius is less than that
+of the surface's curvature: then it is the only one.
 """
 
 from __future__ import annotations

@@ -121,7 +121,7 @@ def _measures(
 def _opposite_forces(
     kinematics: Kinematics, frames: tuple[str, str], point: Vector, force: Vector
 ) -> tuple[Load, ...]:
-    """Return a force on the body at end, and the opposite on that at start, in a point from start's origin."""
+    """Return a force on end, and the opposite on start, in a point given from start's origin."""
     if force.is_zero:
         return ()
     start, end = frames

@@ -272,9 +272,7 @@ def _measure(formed: EquationsOfMotion, words: Sequence[str], first: str) -> Out
     return _expression(formed, name) if value is None else ((), [value])
 
 
-def _measured_vector(
-    formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str
-) -> Output:
+def _measured_vector(formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str) -> Output:
     """Return all entries of a measure, or the one that is named."""
     if any(words[1:]):
         return _measure(formed, words, first)

@@ -28,9 +28,9 @@ class Contact(Connection):
     """Two shapes that touch: a compliant force along the normal, and friction across it.
 
     The normal points from the shape on start to that on end; the gap between them is positive while they are
-    apart, and negative is how deep they overlap. The force acts in the middle of the overlap, on end along the
-    normal, the opposite on start. A box, a capsule or a cylinder on a plane touches in several points, each
-    with the whole law: the gap is the least of theirs, the force the sum.
+    apart, and negative is how deep they overlap. The force acts in the middle of the overlap, on end along
+    the normal, the opposite on start. A box, a capsule or a cylinder on a plane touches in several points,
+    each with the whole law: the gap is the least of theirs, the force the sum.
 
     Friction needs `v0`: with the slip v, the relative velocity across the normal, it is
     ``-mu N v/sqrt(v^2 + v0^2)``, so that what seems to stick creeps.
@@ -73,8 +73,10 @@ class Contact(Connection):
         odd = [name for name in _OF_JOINTS if getattr(friction, name) is not None]
         for name in odd:
             why = "the force along the normal is known, and friction is mu times that"
-            arguments.add("contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out")
-        if friction.v0 is None and not odd:
+            arguments.add(
+                "contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out"
+            )
+        if friction.v0 is None and not odd and not friction.is_none:
             what = "v0 is missing"
             why = "friction of a compliant contact is a smooth function of the slip"
             fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength"

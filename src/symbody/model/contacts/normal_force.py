@@ -107,13 +107,17 @@ class NormalForce(Declared):
         if "law" in given:
             others = [name for name in given if name != "law"]
             if others:
-                _refuse(arguments, others[0], f"law and {', '.join(others)} are given", "law is the whole force")
+                _refuse(
+                    arguments, others[0], f"law and {', '.join(others)} are given", "law is the whole force"
+                )
             return
         if "stiffness" not in given:
             _refuse(arguments, "stiffness", "the stiffness is missing", "nothing pushes the shapes apart")
         lossy = [name for name in ("dissipation", "restitution", "damping") if name in given]
         if len(lossy) > 1:
-            _refuse(arguments, lossy[1], f"{' and '.join(lossy)} are given", "each of them makes the losses alone")
+            _refuse(
+                arguments, lossy[1], f"{' and '.join(lossy)} are given", "each of them makes the losses alone"
+            )
         for name, partner, why in _PARTNERS:
             if name in given and partner not in given:
                 _refuse(arguments, name, f"{name} requires {partner}, which is missing", why)
@@ -142,7 +146,5 @@ _FORCELESS: Final = NormalForce(stiffness=0)
 
 
 def _refuse(arguments: Arguments, word: str, what: str, why: str) -> None:
-    fix = (
-        "write stiffness with dissipation, with restitution and speed, with damping, or alone; or law alone"
-    )
+    fix = "write stiffness with dissipation, with restitution and speed, with damping, or alone; or law alone"
     arguments.add("contact.normal", word, what, why, fix)

@@ -245,7 +245,10 @@ class DryFriction(OptionalField[Friction, Friction]):
         friction = OptionalField.read(self, owner, arguments, value, path)
         for name in ("mu_y", "stribeck"):
             if friction is not None and getattr(friction, name) is not None:
-                what, why = f"{name} is for contacts", "a joint slides along one direction, by one coefficient"
+                what, why = (
+                    f"{name} is for contacts",
+                    "a joint slides along one direction, by one coefficient",
+                )
                 arguments.add("contact.friction", f"{path}.{name}", what, why, "leave it out")
         if friction is None or len(owner.coordinates) == 1:
             return friction
