@@ -161,6 +161,29 @@ def test_joints_have_no_friction_of_contacts() -> None:
         sb.Prismatic("J", "ground", "B", friction=sb.Friction(mu=0.1, v0=1, mu_y=0.2))
 
 
+def test_a_group_is_a_contact_of_each_pair() -> None:
+    """On frames of bodies and on ground; among bodies each pair once."""
+    law = sb.NormalForce(stiffness=1e4)
+    legs = [
+        sb.Body(f"Leg{k}", mass=1, inertia=(1, 1, 1), frames={"toe": sb.Frame(), "heel": sb.Frame()})
+        for k in range(3)
+    ]
+    feet = sb.Contact("feet", "ground", "Leg*.*e*", ["plane", {"sphere": 0.1}], normal=law)
+    knees = sb.Contact("knees", "Leg*", "Leg*", [{"sphere": 0.1}, {"sphere": 0.1}], normal=law)
+    model = sb.Model("walker", [*legs, feet, knees], gravity=(0, 0, -1))
+    names = [each.name for each in model.elements if isinstance(each, sb.Contact)]
+    assert names == [
+        *(f"feet_Leg{k}_{frame}" for k in range(3) for frame in ("toe", "heel")),
+        "knees_Leg0_Leg1", "knees_Leg0_Leg2", "knees_Leg1_Leg2",
+    ]  # fmt: skip
+    assert "contact knees stands for 3 contacts" in "\n".join(model.notes)
+    run = sb.simulate(sb.form_equations(model), 0.01, {"Leg0_z": 0.05})
+    assert run["contact_force feet_Leg0_toe z"][0] > 0
+    with pytest.raises(sb.ModelError, match="fit no two bodies") as caught:
+        sb.Model("none", [*legs, sb.Contact("C", "ground", "Arm*", ["plane", "point"], normal=law)])
+    assert {problem.code for problem in caught.value.problems} == {"contact.group"}
+
+
 def ball_on_floor() -> sb.EquationSet:
     ball = sb.Body("Ball", mass=2)
     rail = sb.Prismatic("rail", "ground", ball, axis="z", coordinate="z")
