@@ -25,6 +25,7 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "constraints": ("belt", "cam", "constraint", "gear", "rolling"),
     "course/9_virtual_work": ("virtual work",),
     "course/index": ("course", "exercises"),
+    "contact": ("collision", "ground contact", "hunt-crossley", "restitution"),
     "dynaflexpro": ("dynaflexpro",),
     "extending": ("extend", "plugin"),
     "forces": ("bushing", "force", "spring", "spring stiffness", "torque"),

@@ -16,6 +16,7 @@ WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "code_generation": "export simulink embedded microcontroller",
         "constraints": "cam follower pulley chain pinion",
+        "contact": "collision impact touch floor foot bump clearance half-space penalty",
         "film": "video movie record screenshot render picture export",
         "fmu": "cosimulation exchange export",
         "forces": "actuator load gravity spring constant coefficient",

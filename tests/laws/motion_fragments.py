@@ -193,11 +193,14 @@ def ball_on_stop() -> Fragment:
 @cache
 def puck_path() -> Any:
     """A puck pressed against an upright wall, thrown sideways: its friction turns with its velocity."""
+
     def rates(_: float, y: Array) -> Array:
         speed = math.hypot(y[2], y[3])
         return np.array([y[2], y[3], -3.0 * y[2] / speed, -G - 3.0 * y[3] / speed])
 
-    return solve_ivp(rates, (0.0, END), [0.0, 0.0, 2.0, 1.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True).sol
+    return solve_ivp(
+        rates, (0.0, END), [0.0, 0.0, 2.0, 1.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
+    ).sol
 
 
 def puck_on_wall() -> Fragment:
@@ -210,9 +213,13 @@ def puck_on_wall() -> Fragment:
     parts = (
         sb.Body("Puck carrier"),
         sb.Body("Puck", mass=0.5),
-        sb.Prismatic("press", "ground", "Puck carrier", axis="z", coordinate="pz", force=sb.Drive(applied=-6)),
+        sb.Prismatic(
+            "press", "ground", "Puck carrier", axis="z", coordinate="pz", force=sb.Drive(applied=-6)
+        ),
         sb.Rectangular("glide", "Puck carrier", "Puck", coordinates=["px", "py"]),
-        sb.Contact("wall", "ground", "Puck", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=0.25)),
+        sb.Contact(
+            "wall", "ground", "Puck", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=0.25)
+        ),
     )
     return Fragment(
         "puck on a wall", parts, reference, {"px": 1.0, "py": 5.0, "px_dot": 2.0, "py_dot": 10.0},

@@ -37,7 +37,9 @@ def first(eqs: sb.EquationSet, height: float, v: tuple[float, ...], w: tuple[flo
 
 @pytest.mark.parametrize("planar", [True, False])
 @pytest.mark.parametrize("share", [0.8, 1.25])
-def test_a_sphere_on_a_slope_rolls_with_enough_friction_and_slides_with_less(share: float, planar: bool) -> None:
+def test_a_sphere_on_a_slope_rolls_with_enough_friction_and_slides_with_less(
+    share: float, planar: bool
+) -> None:
     slope = 0.4
     mu = share * 2 / 7 * np.tan(slope)
     eqs = ball_on_plane(mu, slope=slope, planar=planar)
@@ -116,7 +118,13 @@ def test_impacts_in_several_points_never_raise_the_energy(seed: int) -> None:
     rng = np.random.default_rng(seed)
     eqs = block(e=float(rng.uniform(0, 1)), mu=float(rng.uniform(0.05, 1.2)))
     tilt = float(rng.uniform(-1.2, 1.2))
-    start = {"tilt": tilt, "z": 0.6, "x": 0.0, "x_dot": float(rng.normal()), "tilt_dot": float(3 * rng.normal())}
+    start = {
+        "tilt": tilt,
+        "z": 0.6,
+        "x": 0.0,
+        "x_dot": float(rng.normal()),
+        "tilt_dot": float(3 * rng.normal()),
+    }
     run = sb.simulate(eqs, 1.5, start, max_steps=20_000)
     assert run.status in (Status.SUCCESS, Status.FRICTION, Status.CHATTERING)
     energy = run["energy"]
@@ -131,7 +139,9 @@ def test_what_a_rigid_contact_cannot_have_is_refused() -> None:
         with pytest.raises(sb.ModelError, match="contact.friction"):
             sb.Contact("c", "ground", "B", ["plane", "point"], normal="rigid", friction=friction)
     with pytest.raises(sb.ModelError, match="restitution"):
-        sb.Contact("c", "ground", "B", ["plane", "point"], normal=sb.NormalForce(stiffness=1), restitution=0.5)
+        sb.Contact(
+            "c", "ground", "B", ["plane", "point"], normal=sb.NormalForce(stiffness=1), restitution=0.5
+        )
     with pytest.raises(sb.ModelError, match="rigid"):
         sb.Contact("c", "ground", "B", ["plane", "point"], normal="stiff")
 

@@ -17,6 +17,7 @@ from symbody.model.checks.structure import free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
 from symbody.model.contacts.contact import Contact
+from symbody.model.contacts.contact_groups import expand_groups
 from symbody.model.declarations.arguments import Arguments, Value, plain_value
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.element import Element
@@ -65,7 +66,7 @@ class Model(Displayed):
         Title.
     elements : iterable of Element or Include
         Bodies, joints, forces; bodies given as objects in joints and forces need not be listed. Parts that
-        are included come last.
+        are included come last. A contact between places with ``*`` stands for one of each pair.
     gravity : (3,) number or formula
         Acceleration of free fall in ground axes [m/s^2].
     parameters : mapping of name to number, formula or None
@@ -168,7 +169,9 @@ class Model(Displayed):
             ground_shapes=GROUND_SHAPES.read(None, arguments, ground_shapes, "ground.shape"),
         )
         draft = add_parts(draft, includes, arguments.problems)
-        draft = replace(draft, elements=_sort_by_kind(draft.elements))
+        groups: list[str] = []
+        elements = expand_groups(draft.elements, draft.ground, arguments.problems, groups)
+        draft = replace(draft, elements=_sort_by_kind(elements))
         title = name if isinstance(name, str) else "?"
         if title != name:
             arguments.add("names.not_text", "name", f"{name!r} is not a name", "", "give a text")
@@ -190,7 +193,7 @@ class Model(Displayed):
             "held_signals": tuple(s for s in signals if s.is_held),
             "tables": tuple(e for e in placed if isinstance(e, Lookup)),
             "includes": includes,
-            "notes": (*notes, *remarks),
+            "notes": (*notes, *groups, *remarks),
             "_bodies": {body.name: body for body in draft.bodies},
             "_joints": {joint.name: joint for joint in draft.joints},
         }

@@ -86,28 +86,28 @@ def _cosine_equation(
 
 
 # Each maker takes the class it stands beside.
-_MAKERS: Final[
-    Mapping[type[Element], Callable[[Names, Kinematics, Any], Iterator[ConstraintEquation]]]
-] = MappingProxyType(
-    {
-        Distance: distance_equations,
-        PointOnLine: line_equations,
-        PointOnPlane: plane_equations,
-        PointOnCurve: curve_equations,
-        PointOnSurface: surface_equations,
-        Parallel: _parallel_equations,
-        Perpendicular: _perpendicular_equations,
-        Angle: _angle_equations,
-        KnifeEdge: blade_equations,
-        Rolling: rolling_equations,
-        Gear: coupling_equations,
-        RackPinion: coupling_equations,
-        Belt: coupling_equations,
-        Differential: coupling_equations,
-        Constraint: written_equations,
-        Stop: stop_equations,
-        Contact: gap_rows,
-    }
+_MAKERS: Final[Mapping[type[Element], Callable[[Names, Kinematics, Any], Iterator[ConstraintEquation]]]] = (
+    MappingProxyType(
+        {
+            Distance: distance_equations,
+            PointOnLine: line_equations,
+            PointOnPlane: plane_equations,
+            PointOnCurve: curve_equations,
+            PointOnSurface: surface_equations,
+            Parallel: _parallel_equations,
+            Perpendicular: _perpendicular_equations,
+            Angle: _angle_equations,
+            KnifeEdge: blade_equations,
+            Rolling: rolling_equations,
+            Gear: coupling_equations,
+            RackPinion: coupling_equations,
+            Belt: coupling_equations,
+            Differential: coupling_equations,
+            Constraint: written_equations,
+            Stop: stop_equations,
+            Contact: gap_rows,
+        }
+    )
 )
 
 

@@ -6,6 +6,7 @@ This knows nothing of forces: a law makes them of the gap and of these velocitie
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Final, NamedTuple
 
 from symbody.equations.kinematics.motion import Kinematics
@@ -17,7 +18,7 @@ from symbody.expr.opcodes import LT
 from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import ZERO, Vector, components, cross, dot, vector
 
-# Squares of lengths [m^2] and of sines below which there is no direction: what is divided by a root is then 1.
+# Squares of lengths [m^2] and of sines below which there is no direction: a root is then that of 1.
 _TINY: Final = 1e-24
 
 
@@ -69,27 +70,33 @@ class ContactGeometry(NamedTuple):
         Unit vectors z, from the first shape to the second, and x, across it.
     touches : tuple of Touch
         The points; of one gap each.
+    home : str
+        The frame of the axes of one of the shapes, in which slip is resolved.
     """
 
     normal: Vector
     forward: Vector
     touches: tuple[Touch, ...]
+    home: str
+
+    def axes(self, kinematics: Kinematics) -> tuple[Vector, Vector, Vector]:
+        """Return the unit vectors x, y and z."""
+        return self.forward, cross(kinematics.tree, self.normal, self.forward), self.normal
 
 
 class RelativeVelocity(NamedTuple):
-    """The velocity of the second body relative to the first in a point, along the axes of the contact.
+    """The velocity of the body at end relative to that at start, in a point of contact.
 
     Attributes
     ----------
-    x, y : Expr
-        The slip [m/s].
     normal : Expr
-        The rate of the gap [m/s].
+        Along the normal: the rate of the gap [m/s].
+    slip : Vector
+        Across it, in the axes of one of the shapes [m/s].
     """
 
-    x: Expr
-    y: Expr
     normal: Expr
+    slip: Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +152,9 @@ class ShapePair:
 
 def choose(condition: Expr, then: Expr, otherwise: Expr) -> Expr:
     """Return one of two values by a condition."""
-    return Expr(condition.graph, canonical.select(condition.graph, condition.index, then.index, otherwise.index))
+    return Expr(
+        condition.graph, canonical.select(condition.graph, condition.index, then.index, otherwise.index)
+    )
 
 
 def is_less(a: Expr, b: Expr) -> Expr:
@@ -166,28 +175,31 @@ def unit_vector(pair: ShapePair, a: Vector, otherwise: Vector) -> tuple[Vector, 
     return direction, choose(is_zero, zero, length)
 
 
-def perpendicular(pair: ShapePair, normal: Vector) -> Vector:
-    """Return a unit vector across a unit vector, finite for each and continuous but where z changes its sign.
+def perpendicular(pair: ShapePair, normal: Vector, first: str = "x", second: str = "y") -> Vector:
+    """Return a unit vector across a unit vector: an axis of the first frame without its part along it.
 
-    In axes of the first frame, by the formula of Duff et al., J. Computer Graphics Techniques 6 (2017) 1.
+    Where the two are within 26 degrees it is another axis, so that it is finite for each normal. No vector is
+    continuous for all of them; this one is on each face of a box, and on both sides of it.
     """
-    x, y, z = pair.components(normal, pair.first)
     graph = pair.kinematics.graph
-    one = number(graph, 1)
-    sign = choose(is_less(z, number(graph, 0)), -one, one)
-    share = -1 / (sign + z)
-    return vector(pair.home(pair.first), (one + sign * x * x * share, sign * x * y * share, -(sign * x)))
+    axes = pair.axis(pair.first, first), pair.axis(pair.first, second)
+    cosines = [pair.dot(axis, normal) for axis in axes]
+    is_along = is_less(number(graph, Fraction(4, 5)), cosines[0] * cosines[0])
+    zero, one = number(graph, 0), number(graph, 1)
+    axis = axes[0] * choose(is_along, zero, one) + axes[1] * choose(is_along, one, zero)
+    cosine = choose(is_along, cosines[1], cosines[0])
+    return (axis - normal * cosine) * (1 / sqrt(1 - choose(is_along, cosines[1] ** 2, cosines[0] ** 2)))
 
 
 def relative_velocity(
     kinematics: Kinematics, frames: tuple[str, str], geometry: ContactGeometry, touch: Touch
 ) -> RelativeVelocity:
-    """Return the velocity of the second body relative to the first in a point of contact.
+    """Return the velocity of the body at end relative to that at start in a point of contact.
 
     Parameters
     ----------
     frames : (frame, frame)
-        Of the shapes.
+        Of the shapes at start and end.
     """
     tree = kinematics.tree
     total = ZERO
@@ -195,10 +207,9 @@ def relative_velocity(
         reach = touch.point - kinematics.position(frames[0], frame)
         spin = cross(tree, kinematics.angular_velocities[frame].value, reach)
         total = total + (kinematics.velocities[frame].value + spin) * sign
-    left = cross(tree, geometry.normal, geometry.forward)
-    return RelativeVelocity(
-        dot(tree, geometry.forward, total), dot(tree, left, total), dot(tree, geometry.normal, total)
-    )
+    rate = dot(tree, geometry.normal, total)
+    slip = components(tree, total - geometry.normal * rate, geometry.home)
+    return RelativeVelocity(rate, vector(geometry.home, slip))
 
 
 def least_gap(touches: tuple[Touch, ...]) -> Expr:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from symbody.equations.contacts.contact_geometry import RelativeVelocity, choose, is_less
+from symbody.equations.contacts.contact_geometry import choose, is_less
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.curves import curve_value
 from symbody.expr.expression import Expr, maximum, minimum, number, sqrt
@@ -97,7 +98,7 @@ def dissipation_number(e: Expr) -> Expr:
     The motion of a mass against Hunt and Crossley's force keeps ``c v - ln(1 + c v)`` and the energy of the
     spring together, whatever stiffness and exponent: so ``a - ln(1 + a) = -a e - ln(1 - a e)``. With
     ``x = a (1 + e)/2`` this is ``coth x - 1/x = (1 - e)/(1 + e)``, whose left side is Langevin's function. It
-    is inverted by the fraction of Kroger, J. Non-Newtonian Fluid Mech. 223 (2015) 77, which is right to 3e-3, and
+    is inverted by the fraction of Kroger, J. Non-Newtonian Fluid Mech. 223 (2015) 77, right to 3e-3, and by
     steps of Newton.
     """
     if e.number is not None:
@@ -126,21 +127,27 @@ def _langevin_share(x: Expr) -> Expr:
 
 
 def friction_force(
-    names: Names, friction: Friction, normal: Expr, slip: RelativeVelocity, where: str
-) -> tuple[Expr, Expr]:
-    """Return the force across the normal on end, along x and y of the contact: against the slip.
+    names: Names, friction: Friction, normal: Expr, slip: Sequence[Expr], where: str
+) -> list[Expr]:
+    """Return the force on end across the normal, against the slip, along the axes of its components.
 
     Parameters
     ----------
     normal : Expr
         The force along the normal [N].
+    slip : sequence of Expr
+        Along perpendicular axes; along x and y of the contact where the coefficients differ.
     """
     assert friction.v0 is not None
-    square = slip.x * slip.x + slip.y * slip.y
+    square = number(names.graph, 0)
+    for component in slip:
+        square = square + component * component
     factor = normal / sqrt(square + names.expression(friction.v0, where) ** 2)
     mu = names.expression(friction.mu, where)
-    across = mu if friction.mu_y is None else names.expression(friction.mu_y, where)
+    if friction.mu_y is not None:
+        across = names.expression(friction.mu_y, where)
+        return [-(mu * factor * slip[0]), -(across * factor * slip[1])]
     if friction.mu_static is not None and friction.stribeck is not None:
         decay = (-(square / names.expression(friction.stribeck, where) ** 2)).apply(EXP)
-        mu = across = mu + (names.expression(friction.mu_static, where) - mu) * decay
-    return -(mu * factor * slip.x), -(across * factor * slip.y)
+        mu = mu + (names.expression(friction.mu_static, where) - mu) * decay
+    return [-(mu * factor * component) for component in slip]

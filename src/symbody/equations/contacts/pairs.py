@@ -50,7 +50,7 @@ def contact_geometry(names: Names, kinematics: Kinematics, contact: Contact) -> 
     turned = _FUNCTIONS[end.word, start.word](pair)
     back = kinematics.position(start.frame, end.frame)
     touches = tuple(Touch(touch.gap, touch.point + back) for touch in turned.touches)
-    return ContactGeometry(-turned.normal, turned.forward, touches)
+    return turned._replace(normal=-turned.normal, touches=touches)
 
 
 def _place_shape(names: Names, shape: ContactShape, frame: str, where: str) -> PlacedShape:
@@ -66,7 +66,7 @@ def _on_plane(pair: ShapePair, balls: list[tuple[Vector, Expr | int]]) -> Contac
         pair.ball(normal, pair.arm + centre, radius, pair.dot(normal, pair.arm + centre))
         for centre, radius in balls
     )
-    return ContactGeometry(normal, pair.axis(pair.first, "x"), touches)
+    return ContactGeometry(normal, pair.axis(pair.first, "x"), touches, pair.home(pair.first))
 
 
 def plane_and_ball(pair: ShapePair) -> ContactGeometry:
@@ -97,7 +97,7 @@ def plane_and_ring(pair: ShapePair) -> ContactGeometry:
     forward, down = _rim(pair)
     radius, *tube = pair.second.sizes
     on_plane = _on_plane(pair, [(down * radius, tube[0] if tube else 0)])
-    return ContactGeometry(on_plane.normal, forward, on_plane.touches)
+    return on_plane._replace(forward=forward)
 
 
 def plane_and_cylinder(pair: ShapePair) -> ContactGeometry:
@@ -136,12 +136,22 @@ def _rim(pair: ShapePair) -> tuple[Vector, Vector]:
     return forward, pair.cross(axle, forward)
 
 
-def _between_balls(pair: ShapePair, near: Vector, far: Vector) -> ContactGeometry:
-    """Return the contact of two spheres, or of what is round about points, by their centres."""
+def _between_balls(pair: ShapePair, near: Vector, far: Vector, along: str = "xy") -> ContactGeometry:
+    """Return the contact of two spheres, or of what is round about points, by their centres.
+
+    Parameters
+    ----------
+    along : str
+        The axes of the first frame that x is along, of two the first if the normal allows.
+    """
     normal, distance = unit_vector(pair, far - near, pair.axis(pair.first, "z"))
     gap = distance - pair.first.radius - pair.second.radius
     touch = Touch(gap, near + normal * (gap / 2 + pair.first.radius))
-    return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
+    return _one_touch(pair, normal, touch, along)
+
+
+def _one_touch(pair: ShapePair, normal: Vector, touch: Touch, along: str = "xy") -> ContactGeometry:
+    return ContactGeometry(normal, perpendicular(pair, normal, *along), (touch,), pair.home(pair.first))
 
 
 def ball_and_ball(pair: ShapePair) -> ContactGeometry:
@@ -173,7 +183,7 @@ def capsule_and_capsule(pair: ShapePair) -> ContactGeometry:
     first = _clip(choose(is_parallel, middle, crossing), near)
     second = _clip(cosine * first - b, far)
     first = _clip(a + cosine * second, near)
-    return _between_balls(pair, u * first, pair.arm + w * second)
+    return _between_balls(pair, u * first, pair.arm + w * second, "zx")
 
 
 def box_and_ball(pair: ShapePair) -> ContactGeometry:
@@ -195,8 +205,8 @@ def box_and_capsule(pair: ShapePair) -> ContactGeometry:
 def _nearest_place(start: Triple, along: Triple, edges: Sequence[Expr], half: Expr) -> Expr:
     """Return where on a line, within `half` of its middle, the distance from a box is least.
 
-    The slope of the squared distance rises along the line, in straight pieces that end where it crosses planes
-    of faces. Its zero is between the last end with a slope up to 0 and the first with one from 0 on.
+    The slope of the squared distance rises along the line, in straight pieces that end where it crosses
+    planes of faces. Its zero is between the last end with a slope up to 0 and the first with one from 0 on.
     """
     graph = half.graph
     tiny, one, zero = number(graph, _PARALLEL), number(graph, 1), number(graph, 0)
@@ -213,15 +223,19 @@ def _nearest_place(start: Triple, along: Triple, edges: Sequence[Expr], half: Ex
         raises = choose(is_less(slope, tiny), place, -half)
         lowers = choose(is_less(-slope, tiny), place, half)
         low_slope = choose(is_less(raises, low), low_slope, choose(is_less(slope, tiny), slope, low_slope))
-        high_slope = choose(is_less(high, lowers), high_slope, choose(is_less(-slope, tiny), slope, high_slope))
+        high_slope = choose(
+            is_less(high, lowers), high_slope, choose(is_less(-slope, tiny), slope, high_slope)
+        )
         low, high = maximum(low, raises), minimum(high, lowers)
     is_piece = is_less(low, high)
     rise = choose(is_piece, high_slope - low_slope, one)
-    return choose(is_piece, low - low_slope * (high - low) / choose(is_less(zero, rise), rise, one), (low + high) / 2)
+    return choose(
+        is_piece, low - low_slope * (high - low) / choose(is_less(zero, rise), rise, one), (low + high) / 2
+    )
 
 
 def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
-    """Return the contact of a box and a sphere about a centre, which may be inside: then by the nearest face."""
+    """Return the contact of a box and a sphere about a centre; of one inside, by the nearest face."""
     graph = pair.kinematics.graph
     zero, one = number(graph, 0), number(graph, 1)
     place = pair.components(centre, pair.first)
@@ -241,28 +255,27 @@ def _box_and_centre(pair: ShapePair, centre: Vector) -> ContactGeometry:
     outward = vector(home, (beyond[0], beyond[1], beyond[2]))
     normal, outside = unit_vector(pair, outward, vector(home, face))
     distance = outside + minimum(-depth, zero) * choose(is_less(zero, outside), zero, one)
-    touch = pair.ball(normal, centre, pair.second.radius, distance)
-    return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
+    return _one_touch(pair, normal, pair.ball(normal, centre, pair.second.radius, distance))
 
 
 def socket_and_ball(pair: ShapePair) -> ContactGeometry:
     """Return the contact of a sphere or point with the hollow sphere that it is in."""
-    return _in_hollow(pair, pair.arm)
+    return _in_hollow(pair, pair.arm, "xy")
 
 
 def hole_and_ball(pair: ShapePair) -> ContactGeometry:
-    """Return the contact of a sphere, point or disc of parallel axis with the hollow cylinder that it is in."""
+    """Return the contact of a sphere, point or disc of parallel axis in a hollow cylinder."""
     axis = pair.axis(pair.first, "z")
-    return _in_hollow(pair, pair.arm - axis * pair.dot(axis, pair.arm))
+    return _in_hollow(pair, pair.arm - axis * pair.dot(axis, pair.arm), "zx")
 
 
-def _in_hollow(pair: ShapePair, offset: Vector) -> ContactGeometry:
+def _in_hollow(pair: ShapePair, offset: Vector, along: str) -> ContactGeometry:
     """Return the contact inside of something round, `offset` from its middle or axis."""
     outward, distance = unit_vector(pair, offset, pair.axis(pair.first, "x"))
     hollow = pair.first.sizes[0]
     gap = hollow - pair.second.radius - distance
     touch = Touch(gap, pair.arm - offset + outward * (hollow - gap / 2))
-    return ContactGeometry(-outward, perpendicular(pair, -outward), (touch,))
+    return _one_touch(pair, -outward, touch, along)
 
 
 def _clip(x: Expr, half: Expr) -> Expr:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from symbody.equations.contacts.contact_geometry import ContactGeometry, RelativeVelocity, relative_velocity
+from symbody.equations.contacts.contact_geometry import ContactGeometry, relative_velocity
 from symbody.equations.contacts.pairs import contact_geometry
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import FrictionLaw, SlipDirection, slip_share
-from symbody.expr.expression import Expr
+from symbody.expr.expression import Expr, sqrt
 from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.opcodes import SIGN
 from symbody.model.contacts.contact import Contact
-from symbody.spatial.vector import Vector, cross
+from symbody.spatial.vector import Vector, cross, dot
 
 
 def gap_rows(names: Names, kinematics: Kinematics, contact: Contact) -> Iterator[ConstraintEquation]:
@@ -48,36 +48,43 @@ def contact_friction(names: Names, kinematics: Kinematics, contact: Contact) -> 
     geometry = contact_geometry(names, kinematics, contact)
     strength = names.expression(friction.mu, where)
     limit = strength if friction.mu_static is None else names.expression(friction.mu_static, where)
+    smooth = None if friction.v0 is None else names.expression(friction.v0, where)
     for k, touch in enumerate(geometry.touches, start=1):
         velocity = relative_velocity(kinematics, frames, geometry, touch)
-        directions = list(_directions(kinematics, geometry, velocity))
+        directions = list(_directions(kinematics, geometry, velocity.slip))
+        rates = [rate for _, _, rate in directions]
         element = f"{contact.name} friction" if len(geometry.touches) == 1 else f"{contact.name} friction {k}"
+        reach, multiplier = kinematics.position(*frames), f"lambda_{contact.name}_{k}"
         for letter, direction, rate in directions:
-            slip = rate.apply(SIGN) if len(directions) == 1 else slip_share(rate, velocity.x, velocity.y)
             yield FrictionLaw(
                 name=f"{element} {letter}",
                 element=element,
                 owner=contact,
                 rate=rate,
-                slip=rate * 0 if strength.is_zero else slip,
+                slip=rate * 0 if strength.is_zero else _slip(rate, rates, smooth),
                 strength=strength,
                 limit=limit,
                 radius=None,
                 reads_reaction=True,
-                switches=True,
-                touch=SlipDirection(
-                    frames, kinematics.position(*frames), touch.point, direction, f"lambda_{contact.name}_{k}"
-                ),
+                switches=smooth is None,
+                touch=SlipDirection(frames, reach, touch.point, direction, multiplier),
             )
 
 
+def _slip(rate: Expr, rates: Sequence[Expr], smooth: Expr | None) -> Expr:
+    """Return a component of the slip over its magnitude, or over a smooth function of it."""
+    if smooth is not None:
+        return rate / sqrt(sum((x * x for x in rates), smooth * smooth))
+    return rate.apply(SIGN) if len(rates) == 1 else slip_share(rate, *rates)
+
+
 def _directions(
-    kinematics: Kinematics, geometry: ContactGeometry, velocity: RelativeVelocity
+    kinematics: Kinematics, geometry: ContactGeometry, slip: Vector
 ) -> Iterator[tuple[str, Vector, Expr]]:
     """Yield the directions across the normal in which anything moves, with the slip along them."""
-    left = cross(kinematics.tree, geometry.normal, geometry.forward)
-    for letter, direction, rate in (("x", geometry.forward, velocity.x), ("y", left, velocity.y)):
+    for letter, axis in zip("xy", geometry.axes(kinematics), strict=False):
+        rate = dot(kinematics.tree, axis, slip)
         parts = [slope.index for slope in kinematics.speed_partials(rate).values()]
         parts.append(kinematics.at_zero_speeds(rate).index)
         if not all(find_zeros(kinematics.graph, parts)):
-            yield letter, direction, rate
+            yield letter, axis, rate

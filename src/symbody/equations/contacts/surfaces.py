@@ -1,8 +1,8 @@
 """Contacts with curves and surfaces given by formulas: the foot point by steps of Newton, on the graph.
 
 The foot is the point of the surface whose normal goes through the centre. A fixed number of steps, each
-kept from turning back by a bound on the curvature, reaches it to rounding where the radius is less than that of
-the surface's curvature: then it is the only one.
+kept from turning back by a bound on the curvature, reaches it to rounding where the radius is less than that
+of the surface's curvature: then it is the only one.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr, atan2, cos, maximum, minimum, number, sin, sqrt, symbol
 from symbody.expr.graph import Symbol
 from symbody.expr.rewrite import substitute
+from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import vector
 
 # Steps of Newton, and the share of the whole curvature that a step may take off the slope of its equation.
@@ -47,7 +48,7 @@ def height_and_ball(pair: ShapePair) -> ContactGeometry:
     length = sqrt(1 + a * a + b * b)
     n = (-a / length, -b / length, 1 / length)
     distance = n[0] * (cx - at_x) + n[1] * (cy - at_y) + n[2] * (cz - height)
-    return _on_surface(pair, n, distance)
+    return _on_surface(pair, n, distance, "xy")
 
 
 def cam_and_ball(pair: ShapePair) -> ContactGeometry:
@@ -70,13 +71,14 @@ def cam_and_ball(pair: ShapePair) -> ContactGeometry:
     px, py, ax, ay = _put_in((*along, *first), (angle,), (turn,))
     length = sqrt(ax * ax + ay * ay + _TINY)
     n = (ay / length, -ax / length, number(graph, 0))
-    return _on_surface(pair, n, n[0] * (cx - px) + n[1] * (cy - py))
+    return _on_surface(pair, n, n[0] * (cx - px) + n[1] * (cy - py), "zx")
 
 
-def _on_surface(pair: ShapePair, n: tuple[Expr, Expr, Expr], distance: Expr) -> ContactGeometry:
+def _on_surface(pair: ShapePair, n: Triple, distance: Expr, along: str) -> ContactGeometry:
     normal = vector(pair.home(pair.first), n)
     touch = pair.ball(normal, pair.arm, pair.second.radius, distance)
-    return ContactGeometry(normal, perpendicular(pair, normal), (touch,))
+    forward = perpendicular(pair, normal, *along)
+    return ContactGeometry(normal, forward, (touch,), pair.home(pair.first))
 
 
 def _formula(pair: ShapePair, own: dict[str, Expr]) -> Expr:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from symbody.equations.contacts.contact_geometry import (
+    ContactGeometry,
+    RelativeVelocity,
     at_least_gap,
     least_gap,
     relative_velocity,
@@ -15,10 +18,30 @@ from symbody.equations.dynamics.load import Law, Load, is_constant, load_law, op
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
-from symbody.expr.expression import number
+from symbody.expr.expression import Expr, number
 from symbody.model.contacts.contact import Contact
 from symbody.model.contacts.normal_force import NormalForce
-from symbody.spatial.vector import cross
+from symbody.spatial.vector import ZERO, Vector, components, cross, dot, vector
+
+
+class TouchForce(NamedTuple):
+    """What acts on end in one point of contact.
+
+    Attributes
+    ----------
+    normal, elastic : Expr
+        Along the normal, and the part of it with a potential [N].
+    friction : Vector
+        Across the normal.
+    energy, power : Expr
+        The potential, and the power of all that has none.
+    """
+
+    normal: Expr
+    elastic: Expr
+    friction: Vector
+    energy: Expr
+    power: Expr
 
 
 @load_law.register(Contact)
@@ -28,41 +51,69 @@ def _contact_law(contact: Contact, names: Names, kinematics: Kinematics, roles: 
     There the power of the force along the normal is its product with the rate of the gap, which all points on
     the normal have in common.
     """
-    where = f"contact {contact.name}"
     frames = (contact.start.full_name, contact.end.full_name)
     geometry = contact_geometry(names, kinematics, contact)
-    slips = [relative_velocity(kinematics, frames, geometry, touch) for touch in geometry.touches]
-    measures = {f"gap {contact.name}": least_gap(geometry.touches)}
-    for letter, values in (("x", [s.x for s in slips]), ("y", [s.y for s in slips])):
-        measures[f"slip {contact.name} {letter}"] = at_least_gap(geometry.touches, tuple(values))
-    zero = number(names.graph, 0)
     if not isinstance(contact.normal, NormalForce):  # rigid: rows and friction laws are its forces
-        return Law((), zero, zero, measures=measures)
-    left = cross(kinematics.tree, geometry.normal, geometry.forward)
-    has_potential = _has_potential(names, contact.normal, where)
-    reach = kinematics.position(*frames)
+        velocities = [relative_velocity(kinematics, frames, geometry, touch) for touch in geometry.touches]
+        still = number(names.graph, 0)
+        return Law((), still, still, measures=_measures(contact.name, kinematics, geometry, velocities))
     loads: list[Load] = []
-    lossy: list[Load] = []
-    total = [zero, zero, zero]
-    energy, power = zero, zero
-    for touch, velocity in zip(geometry.touches, slips, strict=True):
-        along = normal_force(names, contact.normal, touch.gap, velocity.normal, where)
-        x, y = zero, zero
-        if contact.friction is not None and not contact.friction.is_none:
-            x, y = friction_force(names, contact.friction, along.force, velocity, where)
-        across = geometry.forward * x + left * y
-        elastic = along.elastic if has_potential else zero
-        lost = across + geometry.normal * (along.force - elastic)
-        loads += opposite_forces(frames, reach, touch.point, across + geometry.normal * along.force)
-        lossy += opposite_forces(frames, reach, touch.point, lost)
-        energy = energy + (along.energy if has_potential else zero)
-        power = power + x * velocity.x + y * velocity.y + (along.force - elastic) * velocity.normal
-        total = [old + new for old, new in zip(total, (x, y, along.force), strict=True)]
-    for k, letter in enumerate("xyz"):
-        measures[f"contact_force {contact.name} {letter}"] = total[k]
-    return Law(tuple(loads), energy, power, tuple(lossy), measures=measures)
+    without_potential: list[Load] = []
+    energy = power = number(names.graph, 0)
+    reach, total, velocities = kinematics.position(*frames), ZERO, []
+    for touch in geometry.touches:
+        velocity = relative_velocity(kinematics, frames, geometry, touch)
+        acting = _touch_force(contact, contact.normal, names, kinematics, geometry, touch.gap, velocity)
+        force = acting.friction + geometry.normal * acting.normal
+        loads += opposite_forces(frames, reach, touch.point, force)
+        rest = acting.friction + geometry.normal * (acting.normal - acting.elastic)
+        without_potential += opposite_forces(frames, reach, touch.point, rest)
+        energy, power, total = energy + acting.energy, power + acting.power, total + force
+        velocities.append(velocity)
+    measures = _measures(contact.name, kinematics, geometry, velocities)
+    for letter, axis in zip("xyz", geometry.axes(kinematics), strict=True):
+        measures[f"contact_force {contact.name} {letter}"] = dot(kinematics.tree, axis, total)
+    return Law(tuple(loads), energy, power, tuple(without_potential), measures=measures)
 
 
-def _has_potential(names: Names, law: NormalForce, where: str) -> bool:
-    """Return whether the elastic part is a function of the gap alone."""
-    return law.stiffness is not None and is_constant(names.expression(law.stiffness, where))
+def _touch_force(
+    contact: Contact,
+    law: NormalForce,
+    names: Names,
+    kinematics: Kinematics,
+    geometry: ContactGeometry,
+    gap: Expr,
+    velocity: RelativeVelocity,
+) -> TouchForce:
+    where, tree = f"contact {contact.name}", kinematics.tree
+    along = normal_force(names, law, gap, velocity.normal, where)
+    has_potential = law.stiffness is not None and is_constant(names.expression(law.stiffness, where))
+    zero = number(names.graph, 0)
+    elastic, energy = (along.elastic, along.energy) if has_potential else (zero, zero)
+    friction = ZERO
+    if contact.friction is not None and not contact.friction.is_none:
+        slip: Sequence[Expr] = components(tree, velocity.slip, geometry.home)
+        axes = [geometry.forward, cross(tree, geometry.normal, geometry.forward)]
+        if contact.friction.mu_y is not None:
+            slip = [dot(tree, axis, velocity.slip) for axis in axes]
+        shares = friction_force(names, contact.friction, along.force, slip, where)
+        if contact.friction.mu_y is not None:
+            friction = axes[0] * shares[0] + axes[1] * shares[1]
+        else:
+            friction = vector(geometry.home, (shares[0], shares[1], shares[2]))
+    power = (along.force - elastic) * velocity.normal + dot(tree, friction, velocity.slip)
+    return TouchForce(along.force, elastic, friction, energy, power)
+
+
+def _measures(
+    name: str,
+    kinematics: Kinematics,
+    geometry: ContactGeometry,
+    velocities: Sequence[RelativeVelocity],
+) -> dict[str, Expr]:
+    """Return the outputs that need no law: the least gap, and the slip there."""
+    measures = {f"gap {name}": least_gap(geometry.touches)}
+    for letter, axis in zip("xy", geometry.axes(kinematics), strict=False):
+        slips = tuple(dot(kinematics.tree, axis, velocity.slip) for velocity in velocities)
+        measures[f"slip {name} {letter}"] = at_least_gap(geometry.touches, slips)
+    return measures

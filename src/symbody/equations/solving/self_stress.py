@@ -11,7 +11,7 @@ redundant. docs/derivations/trees_and_constraints.md has the derivation.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
@@ -203,22 +203,30 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
     turning = {name for role in formed.joint_roles for name in role.joint.rotation_coordinates}
     for name, coordinate, effort in prescribed_efforts(formed, totals):
         yield Component(f"effort {name}", coordinate in turning), effort
-    holding = {law.holding_effort: law for law in formed.friction}
     for row, multiplier in formed.bearing_rows:
-        if row.coordinate:
-            name = effort_name(formed.topology.joint(row.element), row.coordinate)
-            yield Component(f"effort {name}", row.coordinate in turning), multiplier
-        elif row.gap != "" and row.gap != row.element:  # points of a contact, whose wrench is that of all
-            yield Component(row.name, is_moment=False), multiplier
-        elif row.name in holding:
-            law = holding[row.name]
-            yield Component(f"friction {law.name}", law.coordinate in turning), multiplier
+        for component in _row_components(formed, row, turning):
+            yield component, multiplier
         for coordinate, share in row.shares.items():
             yield Component(f"{row.name} {coordinate}", coordinate in turning), multiplier * share
     substituted = coupling_multipliers(formed, totals, formed.bearing_rows) if formed.coupled.rows else {}
     for row in formed.coupled.rows:
         for coordinate, share in row.shares.items():
             yield Component(f"{row.name} {coordinate}", coordinate in turning), substituted[row.name] * share
+
+
+def _row_components(
+    formed: EquationsOfMotion, row: ConstraintEquation, turning: Collection[str]
+) -> Iterator[Component]:
+    """Yield what the multiplier of a row itself is, if it is an effort that no wrench shows."""
+    if row.coordinate:
+        name = effort_name(formed.topology.joint(row.element), row.coordinate)
+        yield Component(f"effort {name}", row.coordinate in turning)
+    elif row.gap not in ("", row.element):  # points of a contact, whose wrench is that of all
+        yield Component(row.name, is_moment=False)
+    else:
+        for law in formed.friction:
+            if row.name == law.holding_effort:
+                yield Component(f"friction {law.name}", law.coordinate in turning)
 
 
 def _changes(formed: EquationsOfMotion, nodes: Sequence[int]) -> list[list[Expr]]:

@@ -220,8 +220,8 @@ def find_impulses(modes: ModeSwitch) -> int:
     Poisson's hypothesis with friction: impulses that end the approach, then their share of restitution, then
     those that end what approaches still; those across are within friction of those along the normals, in
     both phases [Glocker & Pfeiffer, Multiple impacts with friction in rigid multibody systems, Nonlinear
-    Dynamics 7, 1995]. If the energy would rise the shares are lowered [Glocker, Energetic consistency conditions for
-    standard impacts, Multibody Syst. Dyn. 29, 2013].
+    Dynamics 7, 1995]. If the energy would rise the shares are lowered [Glocker, Energetic consistency
+    conditions for standard impacts, Multibody Syst. Dyn. 29, 2013].
     """
     for k in range(modes.count):
         element = modes.elements[k]
@@ -630,19 +630,10 @@ def decide(modes: ModeSwitch) -> int:
 def take_modes(modes: ModeSwitch) -> int:
     """Take the modes that were found; return 1 if some differ, or are the first."""
     is_new = int(1.0 - modes.known)
-    problem = modes.problem
     for back in range(modes.count):
         k = modes.count - 1 - back  # gaps before the friction in them
         element = modes.elements[k]
-        mode = LOOSE
-        if element.is_decided != 0.0:
-            mode = element.opens
-        for j in range(problem.count):
-            other = problem.elements[j]
-            if int(modes.acting[other.row]) == element.candidate:
-                mode = other.mode
-                if element.rows == 2 and mode != HOLDS:
-                    head(modes, k, other.first, other.second)
+        mode = found_mode(modes, k)
         if element.gap > 0:
             element.absent = 0.0
             if modes.elements[element.gap - 1].mode != HOLDS:
@@ -660,6 +651,22 @@ def take_modes(modes: ModeSwitch) -> int:
     if is_new == 1:
         modes.changed = 1.0
     return is_new
+
+
+def found_mode(modes: ModeSwitch, place: int) -> int:
+    """Return the mode of an element that was found, and let a contact slip as it begins to."""
+    problem = modes.problem
+    element = modes.elements[place]
+    mode = LOOSE
+    if element.is_decided != 0.0:
+        mode = element.opens
+    for j in range(problem.count):
+        other = problem.elements[j]
+        if int(modes.acting[other.row]) == element.candidate:
+            mode = other.mode
+            if element.rows == 2 and mode != HOLDS:
+                head(modes, place, other.first, other.second)
+    return mode
 
 
 def project_speeds(w: Function, modes: ModeSwitch, t: float, x: Reals) -> int:

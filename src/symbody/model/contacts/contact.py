@@ -26,15 +26,19 @@ _OF_JOINTS: Final = ("radius", "force", "static")
 @final
 @element
 class Contact(Connection):
-    """Two shapes that touch: a compliant force along the normal, and friction across it.
+    """Two shapes that touch: a force along the normal, and friction across it.
 
     The normal points from the shape on start to that on end; the gap between them is positive while they are
-    apart, and negative is how deep they overlap. The force acts in the middle of the overlap, on end along the
-    normal, the opposite on start. A box, a capsule or a cylinder on a plane touches in several points, each
-    with the whole law: the gap is the least of theirs, the force the sum.
+    apart, and negative is how deep they overlap. The force acts in the middle of the overlap, on end along
+    the normal, the opposite on start. A box, a capsule or a cylinder on a plane touches in several points,
+    each with the whole law: the gap is the least of theirs, the force the sum.
 
     Friction needs `v0`: with the slip v, the relative velocity across the normal, it is
     ``-mu N v/sqrt(v^2 + v0^2)``, so that what seems to stick creeps.
+
+    With ``normal="rigid"`` the shapes never overlap: where the gap closes its rate jumps, by Poisson's law
+    with `restitution`, and while it is closed a multiplier keeps it so. Friction without `v0` sticks then, as
+    long as ``mu_static N`` holds it, in each point by itself.
 
     Examples
     --------
@@ -110,7 +114,7 @@ class Contact(Connection):
             arguments.add(
                 "contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out"
             )
-        if friction.v0 is None and not odd:
+        if friction.v0 is None and not odd and not friction.is_none:
             what = "v0 is missing"
             why = "friction of a compliant contact is a smooth function of the slip"
             fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength"
@@ -136,7 +140,8 @@ class Contact(Connection):
 
 def _check_rigid_friction(friction: Friction, arguments: Arguments) -> None:
     """Note friction that a rigid contact does not have."""
-    for name in (*_OF_JOINTS, "mu_y", "stribeck"):
+    smooth = ("mu_static",) if friction.v0 is not None else ()
+    for name in (*_OF_JOINTS, "mu_y", "stribeck", *smooth):
         if getattr(friction, name) is not None:
             why = "friction of a rigid contact is mu times its force, alike in all directions"
             arguments.add("contact.friction", f"friction.{name}", f"{name} is given", why, "leave it out")

@@ -146,13 +146,9 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
         """Return the shape; a point stands for what is none."""
         if isinstance(value, ContactShape):
             return value
-        word, sizes = (value, ()) if not isinstance(value, Mapping) else (next(iter(value), ""), None)
-        if isinstance(value, Mapping) and len(value) == 1:
-            given = next(iter(value.values()))
-            is_list = isinstance(given, Iterable) and not isinstance(given, str | Mapping)
-            sizes = tuple(given) if is_list else (given,)
-        kind = SHAPE_KINDS.get(word) if isinstance(word, str) else None
-        if kind is None or sizes is None:
+        word, sizes = _word_and_sizes(value)
+        kind = SHAPE_KINDS.get(word)
+        if kind is None:
             arguments.add("contact.shape", path, f"{value!r} is not a shape", "", _shape_cure(word))
             return _POINT
         if len(sizes) != len(kind.sizes):
@@ -164,7 +160,7 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
             what = f"{read[0]} contains z"
             why = "a height is a function of x and y: where it is solid, z is less"
             arguments.add("contact.sizes", path, what, why, f"write {_pattern(word)}")
-        return ContactShape(str(word), read)
+        return ContactShape(word, read)
 
     def schema(self) -> Schema:
         """Return a word or an object with one key."""
@@ -263,11 +259,22 @@ def _pattern(word: str) -> str:
     return f"{{ {word} = {sizes if len(names) == 1 else f'[{sizes}]'} }}"
 
 
-def _shape_cure(word: object) -> str:
-    meant = _OTHER_NAMES.get(str(word).lower(), "")
+def _word_and_sizes(value: object) -> tuple[str, tuple[Any, ...]]:
+    """Return the word of a shape and its sizes; "" for what is no shape."""
+    if isinstance(value, str):
+        return value, ()
+    if not isinstance(value, Mapping) or len(value) != 1:
+        return "", ()
+    ((word, sizes),) = value.items()
+    is_list = isinstance(sizes, Iterable) and not isinstance(sizes, str | Mapping)
+    return str(word), tuple(sizes) if is_list else (sizes,)
+
+
+def _shape_cure(word: str) -> str:
+    meant = _OTHER_NAMES.get(word.lower(), "")
     if meant:
         return f"write {_pattern(meant)}: {SHAPE_KINDS[meant].place}"
-    near = nearest(str(word), SHAPE_KINDS)
+    near = nearest(word, SHAPE_KINDS)
     return f'{near} Write "plane", "point" or a table such as {{ sphere = "r" }}'
 
 

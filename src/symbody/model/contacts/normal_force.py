@@ -137,7 +137,7 @@ class NormalLaw(Field[NormalForce | str, NormalForce | str]):
     annotation: ClassVar[str] = "NormalForce | str"
 
     _: KW_ONLY
-    inner: DeclaredPart[NormalForce] = field(default_factory=lambda: DeclaredPart(kind=NormalForce))
+    inner: Any = field(default_factory=lambda: DeclaredPart(kind=NormalForce))
 
     def read(self, owner: Any, arguments: Arguments, value: object, path: str) -> NormalForce | str:
         """Return the law; one without force stands for what is none."""
@@ -152,15 +152,15 @@ class NormalLaw(Field[NormalForce | str, NormalForce | str]):
 
     def schema(self) -> Schema:
         """Return the word, or its table."""
-        return {"anyOf": [{"type": "string", "enum": [RIGID]}, self.inner.schema()]}
+        return {"anyOf": [{"type": "string", "enum": [RIGID]}, self._inner().schema()]}
 
     def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
         """Return the misfits of the table."""
-        return () if isinstance(entry, str) else self.inner.misfits(entry, path)
+        return () if isinstance(entry, str) else self._inner().misfits(entry, path)
 
     def tables(self) -> Iterable[FileTable]:
         """Return its table."""
-        return self.inner.tables()
+        return self._inner().tables()
 
     def from_file(self, entry: object, arguments: Arguments, path: str, folder: str) -> object:
         """Return the law that a table describes; one without force for a table with faults."""
@@ -170,15 +170,19 @@ class NormalLaw(Field[NormalForce | str, NormalForce | str]):
 
     def to_file(self, owner: Any, value: Any, target: FileTarget) -> Node | None:
         """Return the word, or its table."""
-        return value if isinstance(value, str) else self.inner.to_file(owner, value, target)
+        return value if isinstance(value, str) else self._inner().to_file(owner, value, target)
 
     def rename(self, value: Any, names: NewNames) -> NormalForce | str:
         """Return the law in the new names."""
-        return value if isinstance(value, str) else self.inner.rename(value, names)
+        return value if isinstance(value, str) else self._inner().rename(value, names)
 
     def parts(self, owner: Any, value: Any, path: str) -> Iterable[tuple[Field[Any, Any], Any, str]]:
         """Return the law as one of its role."""
         return () if isinstance(value, str) else ((self.inner, value, path),)
+
+    def _inner(self) -> DeclaredPart[NormalForce]:
+        inner: DeclaredPart[NormalForce] = self.inner
+        return inner
 
 
 _FORCELESS: Final = NormalForce(stiffness=0)
