@@ -407,9 +407,9 @@ def mode_block(
     return pack(
         ModeSwitch, count=len(modal.names), ropes=gaps, rates=len(modal.laws), candidates=n,
         components=components, states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names),
-        out_size=deciding[1], moves_size=projecting[1], first_input=first_input, length=length, time=scales.time,
-        fastest=1.0 / scales.time, elements=elements, places=owners, normals=[*counts, *[0] * gaps],
-        units=units, are_lengths=[float(not turns) for turns in turning],
+        out_size=deciding[1], moves_size=projecting[1], first_input=first_input, length=length,
+        time=scales.time, fastest=1.0 / scales.time, elements=elements, places=owners,
+        normals=[*counts, *[0] * gaps], units=units, are_lengths=[float(not turns) for turns in turning],
         sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
         projection=projecting[0],
     )  # fmt: skip
