@@ -17,7 +17,7 @@ from symbody.kernels.block import (
     Run,
 )
 from symbody.kernels.dense_output import interpolate
-from symbody.kernels.events.event_interruptions import end_with_state, watch_again
+from symbody.kernels.events.event_interruptions import end_with_state, values_before, watch_again
 from symbody.kernels.events.event_monitor import (
     CHATTERS,
     ENDS,
@@ -30,7 +30,7 @@ from symbody.kernels.events.event_monitor import (
     EventMonitor,
 )
 from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.zeros_in_order import steps_before
+from symbody.kernels.events.zeros_in_order import SIMULTANEOUS, steps_before
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_machine import advance, begin_again
@@ -63,9 +63,12 @@ def cut_back(
         shorten(n, rows, monitor.cut_fit, part(pieces, (end - 1) * rows * n, rows * n), share)
     breaks[end] = cut
     run.counts.steps = end
+    first = cut
+    if end > 0 and abs(cut - breaks[end - 1]) <= SIMULTANEOUS * max(monitor.span, abs(cut)):
+        first = breaks[end - 1]  # at a jump: both are one instant
     sample = run.counts.samples
     while sample > 0:
-        if (t[sample - 1] - cut) * run.goal.direction < 0.0:
+        if (t[sample - 1] - first) * run.goal.direction < 0.0:
             break
         sample = sample - 1
     if run.room.every_step != 0.0 or goes_on == 0:
@@ -78,9 +81,9 @@ def cut_back(
 
 
 def go_on(
-    f: Function, run: Run, monitor: EventMonitor, times: Reals, t: Reals, x: Reals, breaks: Reals
+    f: Function, e: Function, run: Run, monitor: EventMonitor, times: Reals, t: Reals, x: Reals, breaks: Reals
 ) -> int:
-    """Begin anew from the state after a cut."""
+    """Begin anew from the state after a cut; at the end note on which side of zero values have come there."""
     n = run.states
     after = monitor.after
     copy(n, after, run.state_old)
@@ -90,6 +93,8 @@ def go_on(
         t[sample] = monitor.cut
         copy(n, after, part(x, sample * n, n))
         run.counts.samples = run.counts.samples + 1
+    if code == FINISHED:
+        values_before(e, run, monitor)
     return code
 
 
@@ -120,7 +125,7 @@ def advance_watched(
                 code = advance(f, g, run, times, t, x, breaks, pieces, 1)
         code = watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
         if code == CUT:
-            code = go_on(f, run, monitor, times, t, x, breaks)
+            code = go_on(f, e, run, monitor, times, t, x, breaks)
         if code != RUNNING:
             return code
         code = -1

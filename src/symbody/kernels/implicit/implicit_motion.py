@@ -39,7 +39,7 @@ def advance_implicit_watched(
                 code = advance_implicit(f, k, d, g, run, implicit, times, t, x, breaks, pieces, 1)
         code = watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
         if code == CUT:
-            code = set_out_again(f, run, implicit, go_on(f, run, monitor, times, t, x, breaks))
+            code = set_out_again(f, run, implicit, go_on(f, e, run, monitor, times, t, x, breaks))
         if code != RUNNING:
             return code
         code = -1

@@ -22,8 +22,8 @@ from symbody.kernels.block import (
     Run,
 )
 from symbody.kernels.configurations.strike_problem import RateJumps
-from symbody.kernels.configurations.struck_motion import pass_watched_jump
-from symbody.kernels.events.event_interruptions import watch_again
+from symbody.kernels.configurations.struck_motion import store_behind, strike_state, watch_struck
+from symbody.kernels.events.event_interruptions import values_before, watch_again
 from symbody.kernels.events.event_location import add_zero, compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.events.watched_motion import go_on
@@ -52,7 +52,7 @@ from symbody.kernels.samples.sampled_motion import (
     watch_unless_due,
 )
 from symbody.kernels.samples.sampling import is_due, show_values, take_samples
-from symbody.kernels.step_machine import begin
+from symbody.kernels.step_machine import begin, begin_again
 
 MOST_ROWS: Final = 4  # of the record of modes that one step may take
 
@@ -132,11 +132,11 @@ def switch_at_cut(
     show_all_modes(modes, run, monitor, Q)
     if modes.changed == 0.0:
         monitor.has_acted = 0.0
-        return go_on(f, run, monitor, times, t, x, breaks)
+        return go_on(f, e, run, monitor, times, t, x, breaks)
     monitor.has_acted = 0.0
     monitor.rate_known = 0.0
     forget_ends(modes, monitor)
-    code = go_on(f, run, monitor, times, t, x, breaks)
+    code = go_on(f, e, run, monitor, times, t, x, breaks)
     for k in range(monitor.event_count):
         monitor.events[k].side = 0.0  # that of the last sample says nothing of this cut
     watch_again(e, run, monitor)
@@ -211,7 +211,10 @@ def pass_switching_jump(
     x: Reals, breaks: Reals, pieces: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a jump of prescribed rates as `pass_watched_jump`, in the modes that are decided there."""
-    code = pass_watched_jump(f, s, e, run, monitor, jumps, times, t, x, breaks, pieces)
+    if jumps.next == jumps.count:
+        return FINISHED
+    values_before(e, run, monitor)
+    code = strike_state(s, run, jumps, times, t, x, breaks)
     if code != RUNNING:
         return code
     show_values(held, modes.numbers)
@@ -219,9 +222,14 @@ def pass_switching_jump(
     code = settle_modes(d, w, modes, Z, run.time, run.state_old)
     if code != SETTLED:
         return run_code(code)
-    code = begin_in_modes(f, e, run, monitor, Q, modes, times, t, x, breaks)
+    show_all_modes(modes, run, monitor, Q)
+    store_behind(run, jumps, times, t, x)
+    code = begin_again(f, run, times, t, x, breaks)
     if code == FINISHED:
-        return RUNNING
+        code = RUNNING
+    if code == RUNNING:
+        watch_struck(e, run, monitor, jumps, breaks, pieces)
+        forget_ends(modes, monitor)
     return code
 
 
@@ -233,7 +241,7 @@ def begin_in_modes(
     show_all_modes(modes, run, monitor, Q)
     monitor.cut = run.time
     copy(run.states, run.state_old, monitor.after)
-    code = go_on(f, run, monitor, times, t, x, breaks)
+    code = go_on(f, e, run, monitor, times, t, x, breaks)
     watch_again(e, run, monitor)
     forget_ends(modes, monitor)
     return code

@@ -182,7 +182,7 @@ def advance_sampled_watched(
     for _trial in range(trials):
         code = happen_or_step(f, g, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y)
         if code == CUT:
-            code = go_on(f, run, monitor, times, t, x, breaks)
+            code = go_on(f, e, run, monitor, times, t, x, breaks)
             if code == FINISHED and is_due(held, run.time) != 0:
                 code = RUNNING
         if code != RUNNING:

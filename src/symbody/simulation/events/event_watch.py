@@ -19,7 +19,7 @@ from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurren
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import LoopCall, Record
 from symbody.simulation.native.machine import given_steps, watched_motion
-from symbody.simulation.native.segments import HeldValues
+from symbody.simulation.native.segments import HeldValues, Jumps
 
 if TYPE_CHECKING:
     from symbody.simulation.hybrid.switching import SwitchingModes
@@ -118,7 +118,7 @@ class EventWatch:
             has_happened = place in now or (not is_left and event.just_happened != 0.0)
             value = event.g_last if is_left else 0.0
             if own.seen == 0:
-                value = event.goes_through
+                value = event.goes_through or event.side
             side = 0.0 if has_happened else float((value > 0.0) - (value < 0.0))
             was, done = (side, 0.0) if side else (event.was, event.done)
             sides.append(EventSide(side, float(has_happened), event.largest, was, done))
@@ -212,6 +212,29 @@ class EventWatch:
         code = modes.advance(call, functions, self._block, self._happened, held)
         self.ending = modes.ending_note(code, self.actor) or self.ending
         return code
+
+    @property
+    def hands_over(self) -> bool:
+        """Whether the motion ends where modes are to be decided, and goes on outside."""
+        return self._monitor.hands_over != 0.0
+
+    def pass_jump(self, call: LoopCall, jumps: Jumps, held: HeldValues | None) -> int | None:
+        """Go on behind a jump in other modes; return a code of `kernels.block`, None without modes."""
+        if self.modes is None or self.hands_over:
+            return None
+        self._prepare(call.block)
+        code = self.modes.pass_jump(call, jumps, self._functions.addresses[0], self._block, held)
+        self.ending = self.modes.ending_note(code, "") or self.ending
+        return code
+
+    def note_values(self, block: Floats, jumps: Jumps) -> None:
+        """Note where values stand before a jump."""
+        self._prepare(block)
+        jumps.note_values(self._functions.addresses[0], block, self._block)
+
+    def watch_behind(self, block: Floats, record: Record, jumps: Jumps) -> None:
+        """Look for events in the motion behind a jump."""
+        jumps.watch_behind(self._functions.addresses[0], block, self._block, record)
 
     def break_off(self, block: Floats, record: Record) -> None:
         """End an interrupted run at the event that would have changed it, if one was computed."""

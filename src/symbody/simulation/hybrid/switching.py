@@ -45,7 +45,7 @@ from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import NO_TABLES, LoopCall, RightHandSide
-from symbody.simulation.native.segments import HeldValues
+from symbody.simulation.native.segments import HeldValues, Jumps
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 from symbody.simulation.status import Status
 from symbody.single_flight import once
@@ -333,6 +333,24 @@ class SwitchingModes:
             self.raise_fault()
         return int(code)
 
+    def pass_jump(
+        self, call: LoopCall, jumps: Jumps, values: int, watch: Floats, held: HeldValues | None
+    ) -> int:
+        """Go on behind a jump of prescribed rates in other modes; return a code of `kernels.block`."""
+        self._make_room()
+        self.release()
+        jumps.show_inputs()
+        sampling = _Sampling(held)
+        places = (call.block, watch, *sampling.arrays, jumps.array, self._block, *call.record.arrays)
+        code = _kernel("pass_switching_jump")(
+            call.rhs, jumps.address, values, self._decides, self._functions[1].address,
+            *map(address, (*places, self.record.rows)),
+        )  # fmt: skip
+        jumps.check(code, call.block)
+        if code == run_at.MODE_FAULT:
+            self.raise_fault()
+        return int(code)
+
     def _make_room(self) -> None:
         if self.switch.recorded + 4 > len(self.record.rows):
             self.record.grow()
@@ -501,6 +519,7 @@ def _library() -> Mapping[str, Callable[..., int]]:
         "settle_modes": [*[_POINTER] * 4, real, _POINTER],
         "find_long_rope": [_POINTER, _POINTER, real, _POINTER],
         "advance_switching": [*[_POINTER] * 21, integer],
+        "pass_switching_jump": [_POINTER] * 17,
         "note_end_of_shares": [*[_POINTER] * 2, integer, *[_POINTER] * 3],
     }
     addresses = load_kernels("switching_motion", tuple(kinds), light=True)

@@ -23,7 +23,7 @@ from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun,
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
-from symbody.simulation.native.segments import HeldValues, Watch
+from symbody.simulation.native.segments import HeldValues, Jumps, Watch
 
 Floats = NDArray[np.float64]
 
@@ -114,6 +114,7 @@ def integrate(
     breakpoints: Breakpoints = NO_BREAKPOINTS,
     held: HeldValues | None = None,
     make_run: RunMaker | None = None,
+    jumps: Jumps | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -130,8 +131,9 @@ def integrate(
         more vectors a step; whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called now and then with the share of the span that is done; returning False ends the run.
-    projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
-        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
+    projector, watch, breakpoints, held, jumps : Projector, Watch, Breakpoints, HeldValues, Jumps
+        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs, and
+        speeds.
 
     Raises
     ------
@@ -147,7 +149,8 @@ def integrate(
     new = partial(_new_run, method, goal, x, start, held)
     run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
-    return run_loop(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
+    record = fresh_record(run, check_times(times, start, end), dense, more)
+    return run_loop(run, record, progress, watch, jumps)
 
 
 def _new_run(

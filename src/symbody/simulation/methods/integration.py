@@ -236,6 +236,7 @@ def run_explicit(
         breakpoints=motion.breakpoints,
         held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
         make_run=None if charts is None else charts.start,
+        jumps=motion.passed_jumps(ends_behind=watch is not None and watch.hands_over),
     )
     if charts is not None:
         with charts.interruptible():

@@ -29,7 +29,7 @@ from symbody.simulation.native.run import (
     run_loop,
     show_room,
 )
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import Jumps, Watch
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -92,15 +92,16 @@ class StepEnds:
 
     block: Floats
 
-    def __call__(self, t: float) -> tuple[float, float, float]:
-        """Return from where to where the longest step at a time leads, and at which time it counts as ended.
+    def __call__(self, t: float, end: float) -> tuple[float, float, float]:
+        """Return from where to where the longest step to an end leads, and at which time it counts as ended.
 
         A step begins behind a jump that lies at its time, and ends before one.
         """
         ends = np.zeros(3)
+        Run(self.block).t_end = end
         step_machine().longest_step(address(self.block), t, address(ends))
-        start, stop, end = ends.tolist()
-        return start, stop, end
+        start, stop, said = ends.tolist()
+        return start, stop, said
 
 
 class StepwiseIntegrator(Protocol):
@@ -111,8 +112,8 @@ class StepwiseIntegrator(Protocol):
         """How often the right-hand side was computed so far."""
         ...
 
-    def advance(self) -> Step | Failure:
-        """Take one step, not beyond the end."""
+    def advance(self, end: float) -> Step | Failure:
+        """Take one step, not beyond an end."""
         ...
 
     def restart(self, t: float, x: Floats) -> None:
@@ -146,13 +147,16 @@ class Course:
     before: RawRun | None = None
 
 
-def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> RawRun:
+def march(
+    stepper: StepwiseIntegrator, course: Course, watch: Watch | None, jumps: Jumps | None = None
+) -> RawRun:
     """Take steps to the end, until one fails, an event ends the run, or the caller interrupts."""
     run = SteppedRun(stepper, course)
     record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
     raw = run_loop(
-        run, record if course.before is None else _continue_record(course, record), course.progress, watch
-    )
+        run, record if course.before is None else _continue_record(course, record), course.progress, watch,
+        jumps,
+    )  # fmt: skip
     spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
     if course.before is not None:
         first = course.before.statistics
@@ -209,12 +213,15 @@ class SteppedRun:
             if watch is not None:
                 code = watch.process(self.block, record, code)
             if code == at.RESTARTED:
-                run = Run(self.block)
-                self._stepper.restart(run.time, state_of(self.block)[:-1].copy())
-                code = begin_again(self, record)
+                code = self.begin_anew(record)
             if code != at.RUNNING:
                 break
         return code
+
+    def begin_anew(self, record: Record, jumps: Jumps | None = None) -> int:
+        """Go on from another state; return a code of `symbody.kernels.block`."""
+        self._stepper.restart(Run(self.block).time, state_of(self.block)[:-1].copy())
+        return begin_again(self, record)
 
     def _take_step(self, record: Record) -> int:
         """Take one step and write it down; return a code of `symbody.kernels.block`."""
@@ -227,7 +234,7 @@ class SteppedRun:
             return at.FULL
         if counts.accepted >= run.goal.max_trials:
             return at.TOO_MANY
-        step = self._stepper.advance()
+        step = self._stepper.advance(run.t_end)
         if isinstance(step, Failure):
             return self._fail(step)
         if not np.isfinite(step.nodes).all():

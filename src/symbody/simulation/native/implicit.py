@@ -16,7 +16,7 @@ from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, Record, RightHandSide
 from symbody.simulation.native.run import EVENT_SAMPLES, begin_again, show_room
 from symbody.simulation.native.runge_kutta import Tableau
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import Jumps, Watch
 from symbody.single_flight import once
 
 _POINTER: Final = ctypes.c_void_p
@@ -120,12 +120,16 @@ class ImplicitRun(NamedTuple):
             is_full = record.every_step and Run(self.block).counts.samples + EVENT_SAMPLES > record.t.size
             code = watch.process(self.block, record, at.FULL if is_full else self._advance(record, 1))
             if code == at.RESTARTED:
-                run = Run(self.block)
-                run.after_rejection, run.counts.failed_kernel = 0.0, 0
-                code = begin_again(self, record)
+                code = self.begin_anew(record)
             if code != at.RUNNING:
                 break
         return code
+
+    def begin_anew(self, record: Record, jumps: Jumps | None = None) -> int:
+        """Go on from another state; return a code of `symbody.kernels.block`."""
+        run = Run(self.block)
+        run.after_rejection, run.counts.failed_kernel = 0.0, 0
+        return begin_again(self, record)
 
     def _advance(self, record: Record, trials: int) -> int:
         places = (self.block, self.array, *record.arrays)

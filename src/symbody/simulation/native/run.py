@@ -18,7 +18,7 @@ from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import Floats, LoopCall, Record
 from symbody.simulation.native.machine import step_machine
-from symbody.simulation.native.segments import HeldValues, Watch
+from symbody.simulation.native.segments import HeldValues, Jumps, Watch
 from symbody.simulation.status import Status
 
 Progress = Callable[[float], bool | None]
@@ -89,6 +89,8 @@ class RawRun:
         After `Status.SINGULAR`: which kernel of the right-hand side failed, from 0.
     dense_output : DenseOutput or None
         The motion between the samples.
+    jumps : tuple
+        When prescribed rates have changed speeds [s], and by how much the energy [J].
     """
 
     t: Floats
@@ -99,6 +101,7 @@ class RawRun:
     state: int | None
     kernel: int | None
     dense_output: DenseOutput | None
+    jumps: tuple[tuple[float, float], ...] = ()
 
     @property
     def reach(self) -> str:
@@ -164,6 +167,11 @@ class NativeRun(NamedTuple):
             self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
         )
 
+    def begin_anew(self, record: Record, jumps: Jumps) -> int:
+        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
+        show_room(self.block, record)
+        return jumps.begin_again(self.rhs, self.block, record)
+
 
 class CompiledRun(Protocol):
     """A run of the compiled loop, by whatever method."""
@@ -179,6 +187,10 @@ class CompiledRun(Protocol):
 
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
+        ...
+
+    def begin_anew(self, record: Record, jumps: Jumps) -> int:
+        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
         ...
 
 
@@ -235,12 +247,13 @@ def memory_limit() -> int:
 
 
 def run_loop(
-    run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None
-) -> RawRun:
+    run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None,
+    jumps: Jumps | None = None,
+) -> RawRun:  # fmt: skip
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    start = Run(run.block).time
+    span = _bound(run, jumps)
     budget = FIRST_SLICE
     code = at.RUNNING
     try:
@@ -251,8 +264,10 @@ def run_loop(
             if code == at.FULL:
                 record = _grow(record, run.block)
             code, budget = _slice(run, record, budget, watch, clock)
+            if code == at.FINISHED:
+                record, code = _pass_jump(run, record, watch, jumps)
             if code in (at.RUNNING, at.FULL):
-                status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
+                status = None if _report_progress(run, span, progress) else Status.INTERRUPTED
             if status is not None:
                 break
     except KeyboardInterrupt:
@@ -261,7 +276,38 @@ def run_loop(
         status = Status.OUT_OF_MEMORY
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
         watch.break_off(run.block, record)
-    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
+    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0], jumps)
+
+
+def _bound(run: CompiledRun, jumps: Jumps | None) -> tuple[float, float]:
+    """Let a run end just before the first jump; return when the whole motion begins and ends [s]."""
+    own = Run(run.block)
+    if jumps is None:
+        return own.time, own.t_end
+    jumps.bound(run.block)
+    return own.time, jumps.t_end
+
+
+def _pass_jump(
+    run: CompiledRun, record: Record, watch: Watch | None, jumps: Jumps | None
+) -> tuple[Record, int]:
+    """Go on behind a jump of prescribed rates, if one is due; return what is stored, and a code."""
+    if jumps is None or not jumps.is_due(run.block):
+        return record, at.FINISHED
+    record = _with_room(record, run.block)
+    show_room(run.block, record)
+    if watch is not None and isinstance(run, NativeRun):
+        call = LoopCall(run.rhs, run.projector, run.block, record, 0)
+        code = watch.pass_jump(call, jumps, run.held)
+        if code is not None:
+            return record, code
+    if watch is not None:
+        watch.note_values(run.block, jumps)
+    jumps.strike(run.block, record)
+    code = run.begin_anew(record, jumps)
+    if watch is not None and code in (at.RUNNING, at.FINISHED):
+        watch.watch_behind(run.block, record, jumps)
+    return record, at.RUNNING if code == at.FINISHED else code  # events and samples may be due there
 
 
 def begin_again(run: CompiledRun, record: Record) -> int:
@@ -294,9 +340,8 @@ def _next_budget(budget: int, spent: float) -> int:
     return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
 
 
-def _report_progress(run: CompiledRun, start: float, progress: Progress | None) -> bool:
-    now = Run(run.block)
-    share = (now.time - start) / (now.t_end - start)
+def _report_progress(run: CompiledRun, span: tuple[float, float], progress: Progress | None) -> bool:
+    share = (Run(run.block).time - span[0]) / (span[1] - span[0])
     return progress is None or progress(share) is not False
 
 
@@ -319,6 +364,14 @@ def _grow(record: Record, block: Floats) -> Record:
     return record
 
 
+def _with_room(record: Record, block: Floats) -> Record:
+    """Return a record with room for a step of no length, and for samples beside it."""
+    counts = Run(block).counts
+    lacks_samples = record.every_step and counts.samples + EVENT_SAMPLES > record.t.size
+    lacks_steps = record.keep_dense and counts.steps == record.pieces.shape[0]
+    return _grow(record, block) if lacks_samples or lacks_steps else record
+
+
 def _double(array: Floats) -> Floats:
     size = array.shape[0]
     larger = np.empty((2 * size, *array.shape[1:]))
@@ -326,7 +379,7 @@ def _double(array: Floats) -> Floats:
     return larger
 
 
-def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -> RawRun:
+def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float, jumps: Jumps | None) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
     counts = Run(run.block).counts
     samples, steps = counts.samples, counts.steps
@@ -341,13 +394,15 @@ def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -
         Run(run.block).time,
         counts.blamed_state if blamed else None,
         counts.failed_kernel - 1 if is_singular else None,
-        _dense_output(run, record, steps) if record.keep_dense else None,
+        _dense_output(run, record, steps, jumps) if record.keep_dense else None,
+        () if jumps is None else jumps.passed,
     )
 
 
-def _dense_output(run: CompiledRun, record: Record, steps: int) -> DenseOutput:
-    if steps:
-        return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
+def _dense_output(run: CompiledRun, record: Record, steps: int, jumps: Jumps | None) -> DenseOutput:
+    breaks, pieces = record.breaks[: steps + 1].copy(), record.pieces[:steps].copy()
+    if steps and not (jumps is not None and jumps.has_just_passed(run.block)):
+        return DenseOutput(breaks, pieces)
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
-    piece[0, 0] = state_of(run.block)
-    return DenseOutput(np.full(2, Run(run.block).time), piece)
+    piece[0, 0], t = state_of(run.block), Run(run.block).time
+    return DenseOutput(np.append(breaks if steps else t, t), np.concatenate([pieces, piece]))

@@ -50,6 +50,59 @@ class HeldValues(Protocol):
         ...
 
 
+class Jumps(Protocol):
+    """Passes jumps of prescribed rates along a run; see `hybrid.passed_jumps.PassedJumps`."""
+
+    address: int
+    array: Floats
+
+    @property
+    def t_end(self) -> float:
+        """When the motion ends behind all jumps [s]."""
+        ...
+
+    @property
+    def passed(self) -> tuple[tuple[float, float], ...]:
+        """When a speed has jumped [s], and by how much the energy has [J]."""
+        ...
+
+    def bound(self, block: Floats) -> None:
+        """Let a run end just before the next jump."""
+        ...
+
+    def is_due(self, block: Floats) -> bool:
+        """Return whether a run that has come to its end goes on behind a jump."""
+        ...
+
+    def has_just_passed(self, block: Floats) -> bool:
+        """Return whether a run stands just behind a jump."""
+        ...
+
+    def show_inputs(self) -> None:
+        """Write the values that inputs have at present where speeds are struck."""
+        ...
+
+    def strike(self, block: Floats, record: Record) -> None:
+        """Strike the state to which a run has come, and store the samples there."""
+        ...
+
+    def begin_again(self, rhs: int, block: Floats, record: Record) -> int:
+        """Begin anew behind a jump by an explicit method; return a code of `symbody.kernels.block`."""
+        ...
+
+    def note_values(self, values: int, block: Floats, watch: Floats) -> None:
+        """Note where the values of events stand before a jump."""
+        ...
+
+    def watch_behind(self, values: int, block: Floats, watch: Floats, record: Record) -> None:
+        """Let a search for events go on behind a jump."""
+        ...
+
+    def check(self, code: int, block: Floats) -> None:
+        """Raise what a code of the kernels says."""
+        ...
+
+
 class Watch(Protocol):
     """Lets events happen in the compiled loop."""
 
@@ -59,6 +112,23 @@ class Watch(Protocol):
 
     def process(self, block: Floats, record: Record, code: int) -> int:
         """Let events happen in the steps so far, the last of which ended with a code; return the code."""
+        ...
+
+    @property
+    def hands_over(self) -> bool:
+        """Whether the motion ends where modes are to be decided, and goes on outside."""
+        ...
+
+    def pass_jump(self, call: LoopCall, jumps: Jumps, held: HeldValues | None) -> int | None:
+        """Go on behind a jump in other modes; return a code of `kernels.block`, None without modes."""
+        ...
+
+    def note_values(self, block: Floats, jumps: Jumps) -> None:
+        """Note where values stand before a jump."""
+        ...
+
+    def watch_behind(self, block: Floats, record: Record, jumps: Jumps) -> None:
+        """Look for events in the motion behind a jump."""
         ...
 
     def break_off(self, block: Floats, record: Record) -> None:

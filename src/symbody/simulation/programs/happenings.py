@@ -12,7 +12,7 @@ import numpy as np
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.errors import Problem, UsageError
 from symbody.kernels.block import FunctionNumbers, Run
-from symbody.kernels.configurations.strike_problem import RateJumps
+from symbody.kernels.configurations.strike_problem import RateJump, RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.kernels.modes.mode_switch import ModeSwitch
@@ -298,8 +298,8 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     """Return the array of `RateJumps` of a motion, and let it end just before the first one."""
     start, last = motion.span[0], motion.last
     problem = motion.integration.problem
-    times, margin = jump_times(problem, motion.integration.state, (start, last))
-    if not times:
+    jumps = jump_times(problem, motion.integration.state, (start, last))
+    if not jumps.times:
         return _NOTHING
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
@@ -307,10 +307,6 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     if motion.modal is not None:  # friction is finite, and ropes strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
-    way, run = Run(block).goal.direction, Run(block)
-    before = [max(t - way * margin, start, key=lambda time: way * time) for t in times]
-    behind = [min(t + way * margin, last, key=lambda time: way * time) for t in times]
-    run.t_end = before[0]
-    return pack(
-        RateJumps, count=len(times), t_end=last, times=np.column_stack([before, behind]), problem=strikes
-    )
+    rows = jumps.rows((start, last))
+    Run(block).t_end = RateJump(rows.ravel()).before
+    return pack(RateJumps, count=len(rows), t_end=last, jumps=rows, problem=strikes)

@@ -40,7 +40,7 @@ from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.closing import POSED
 from symbody.simulation.native.description import Projector, Record, RightHandSide
 from symbody.simulation.native.run import SLICE_SECONDS, NativeRun
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.segments import Jumps, Watch
 from symbody.single_flight import once
 from symbody.tolerances import EXACT
 
@@ -195,6 +195,13 @@ class ChartRun:
             else:
                 self._end_chart(t, q)
                 code = at.RUNNING
+        return code
+
+    def begin_anew(self, record: Record, jumps: Jumps) -> int:
+        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
+        self._states.accept(Run(self.block).time, state_of(self.block).copy())
+        code = self._native.begin_anew(record, jumps)
+        self._raise_fault()
         return code
 
     def _place(self) -> tuple[float, Floats]:

@@ -138,7 +138,8 @@ def run_generalized_alpha(
     with _with_laws(compiled, laws) as addresses:
         run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
         record = fresh_record(run, _times(motion), True, 0 if watch is None else EVENT_SAMPLES)
-        raw = run_loop(run, record, motion.progress, watch)
+        jumps = motion.passed_jumps(ends_behind=watch is not None and watch.hands_over)
+        raw = run_loop(run, record, motion.progress, watch, jumps)
     return raw, (method.note,)
 
 
