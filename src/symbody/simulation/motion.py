@@ -175,12 +175,13 @@ class Motion:
             self, problem=problem or self.problem,
             x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
             progress=None if progress is None else scale, sides=self.sides if span[0] == start else (),
-            jumps=self.jumps.inside(span),
+            jumps=self.jumps.part(span),
         )  # fmt: skip
 
-    def passed_jumps(self, *, ends_behind: bool = False) -> PassedJumps | None:
+    def passed_jumps(self, watch: EventWatch | None) -> PassedJumps | None:
         """Return what passes the jumps of prescribed rates in one run; None without any."""
-        planned = self.jumps.inside(self.span)
+        ends_behind = watch is not None and watch.hands_over
+        planned = self.jumps.part(self.span)
         if not planned.times:
             return None
         return PassedJumps(self.problem, planned, self.span, self.modes, ends_behind=ends_behind)
@@ -234,7 +235,7 @@ class Motion:
         functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides, modes)
 
-    def course(self, closing: StateProjector | None = None) -> Course:
+    def course(self, closing: StateProjector | None, watch: EventWatch | None) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closing`."""
         n_u, function = self.n_u, self.problem.compile_outputs("power")
 
@@ -248,7 +249,9 @@ class Motion:
         rhs = NO_FUNCTION._replace(n_u=n_u)
         block = make_block(rhs, projector, DORMAND_PRINCE_8, goal, self.x0, self.span[0])
         times = None if self.times is None else np.asarray(self.times)
-        return Course(block, projector.address, times, self.progress, power, self.before)
+        return Course(
+            block, projector.address, times, self.progress, power, self.before, self.passed_jumps(watch)
+        )
 
 
 def first_numbers(first: State) -> Floats:

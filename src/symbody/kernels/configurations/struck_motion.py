@@ -3,11 +3,11 @@
 from symbody.kernels.block import FINISHED, NO_IMPULSE, RUNNING, TORN_MOTION, Run
 from symbody.kernels.configurations.strike import STRUCK, TORN, strike
 from symbody.kernels.configurations.strike_problem import RateJumps
-from symbody.kernels.events.event_interruptions import end_with_state, values_before, watch_behind
+from symbody.kernels.events.event_interruptions import end_with_state, watch_behind
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.language import Function, Reals
 from symbody.kernels.runge_kutta import copy
-from symbody.kernels.step_machine import begin_again, store_sample
+from symbody.kernels.step_machine import store_sample
 
 
 def end_before_jump(run: Run, jumps: RateJumps) -> None:
@@ -70,40 +70,8 @@ def strike_state(
     end_before_jump(run, jumps)
     if jumps.ends_behind != 0.0:
         run.t_end = run.time
+        jumps.count = jumps.next
     return RUNNING
-
-
-def pass_jump_of_rates(
-    f: Function, s: Function, run: Run, jumps: RateJumps, times: Reals, t: Reals, x: Reals, breaks: Reals
-) -> int:
-    """Go on behind the jump to which a motion has come; return a code of `block`, `FINISHED` without one.
-
-    Samples at the time of a jump are of the state behind it.
-    """
-    code = strike_state(s, run, jumps, times, t, x, breaks)
-    if code != RUNNING:
-        return code
-    store_behind(run, jumps, times, t, x)
-    return begin_again(f, run, times, t, x, breaks)
-
-
-def pass_watched_jump(
-    f: Function, s: Function, e: Function, run: Run, monitor: EventMonitor, jumps: RateJumps, times: Reals,
-    t: Reals, x: Reals, breaks: Reals, pieces: Reals,
-) -> int:  # fmt: skip
-    """Go on behind a jump as `pass_jump_of_rates`, and watch what passes zero there.
-
-    Behind the steps that are stored pieces have room for one more.
-    """
-    if jumps.next == jumps.count:
-        return FINISHED
-    values_before(e, run, monitor)
-    code = pass_jump_of_rates(f, s, run, jumps, times, t, x, breaks)
-    if code == FINISHED:
-        code = RUNNING
-    if code == RUNNING:
-        watch_struck(e, run, monitor, jumps, breaks, pieces)
-    return code
 
 
 def watch_struck(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -21,6 +21,7 @@ from symbody.simulation.hybrid.rate_jumps import PlannedJumps, no_speeds, strike
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Record
+from symbody.simulation.native.segments import Watch
 from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import once
@@ -57,6 +58,8 @@ class PassedJumps:
         See `kernels.configurations.strike_problem.RateJumps`.
     """
 
+    feature = "JUMPS"
+
     def __init__(
         self, problem: SimulationProblem, planned: PlannedJumps, span: tuple[float, float],
         modes: SwitchingModes | None = None, *, ends_behind: bool = False,
@@ -86,25 +89,30 @@ class PassedJumps:
         return self._record.t_end
 
     @property
-    def passed(self) -> tuple[tuple[float, float], ...]:
+    def impulses(self) -> tuple[tuple[float, float], ...]:
         """When a speed has jumped [s], and by how much the energy has [J]."""
         jumps = self._record.jumps
         done = [(t, jumps[k]) for k, t in enumerate(self._planned.times[: self._record.next])]
         return tuple((t, jump.gained) for t, jump in done if strikes(self._problem, jump.change))
 
-    def bound(self, block: Floats) -> None:
+    def limit_run(self, block: Floats) -> None:
         """Let a run end just before the next jump."""
         _kernels().end_before_jump(address(block), address(self.array))
 
-    def is_due(self, block: Floats) -> bool:
-        """Return whether a run that has come to its end goes on behind a jump."""
-        own = self._record
-        return own.next < own.count and not (own.ends_behind and self.has_just_passed(block))
+    @property
+    def is_due(self) -> bool:
+        """Whether a run that has come to its end goes on behind a jump."""
+        return self._record.next < self._record.count
 
     def has_just_passed(self, block: Floats) -> bool:
         """Return whether a run stands just behind a jump."""
         own = self._record
         return own.next > 0 and own.jumps[own.next - 1].behind == Run(block).time
+
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return the function of a strike, and when rates jump."""
+        self.show_inputs()
+        return {"s": self.address, "jumps": self.array}
 
     def show_inputs(self) -> None:
         """Write the values that inputs have at present where speeds are struck."""
@@ -120,27 +128,24 @@ class PassedJumps:
         Raises
         ------
         UsageError, SimulationError
-            See `check`.
+            See `answer`.
         """
         self.show_inputs()
         places = map(address, (block, self.array, *record.arrays[:4]))
-        self.check(_kernels().strike_state(self.address, *places), block)
+        self.answer(_kernels().strike_state(self.address, *places))
         _kernels().store_behind(*map(address, (block, self.array, *record.arrays[:3])))
 
-    def begin_again(self, rhs: int, block: Floats, record: Record) -> int:
-        """Begin anew behind a jump by an explicit method; return a code of `symbody.kernels.block`."""
-        return _kernels().begin_again(rhs, *map(address, (block, *record.arrays[:4])))
-
-    def note_values(self, values: int, block: Floats, watch: Floats) -> None:
+    def note_values(self, watch: Watch, block: Floats) -> None:
         """Note where the values of events stand before a jump."""
-        _kernels().values_before(values, address(block), address(watch))
+        own = watch.arguments(block)
+        _kernels().values_before(own["e"], address(block), address(watch.array))
 
-    def watch_behind(self, values: int, block: Floats, watch: Floats, record: Record) -> None:
+    def watch_behind(self, watch: Watch, block: Floats, record: Record) -> None:
         """Let a search for events go on behind a jump."""
-        places = (block, watch, self.array, record.breaks, record.pieces)
-        _kernels().watch_struck(values, *map(address, places))
+        own, places = watch.arguments(block), (block, watch.array, self.array, record.breaks, record.pieces)
+        _kernels().watch_struck(own["e"], *map(address, places))
 
-    def check(self, code: int, block: Floats) -> None:
+    def answer(self, code: int) -> None:
         """Raise what a code of the kernels says.
 
         Raises
@@ -166,7 +171,6 @@ class _Kernels(NamedTuple):
     end_before_jump: Callable[..., None]
     strike_state: Callable[..., int]
     store_behind: Callable[..., None]
-    begin_again: Callable[..., int]
     values_before: Callable[..., None]
     watch_struck: Callable[..., None]
 
@@ -178,7 +182,6 @@ def _kernels() -> _Kernels:
         [None, *[_POINTER] * 2],
         [integer, *[_POINTER] * 7],
         [None, *[_POINTER] * 5],
-        [integer, *[_POINTER] * 6],
         [None, *[_POINTER] * 3],
         [None, *[_POINTER] * 6],
     ]

@@ -92,7 +92,7 @@ class PlannedJumps(NamedTuple):
     times: tuple[float, ...] = ()
     margin: float = 0.0
 
-    def inside(self, span: tuple[float, float]) -> PlannedJumps:
+    def part(self, span: tuple[float, float]) -> PlannedJumps:
         """Return those that a part of the motion passes."""
         low, high = (-t for t in span) if span[1] < span[0] else span
         way = 1.0 if span[1] >= span[0] else -1.0

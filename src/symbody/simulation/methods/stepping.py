@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from symbody.codegen.call_arguments import address
 from symbody.kernels import block as at
 from symbody.kernels.block import Run
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import given_steps, step_machine
@@ -29,7 +30,7 @@ from symbody.simulation.native.run import (
     run_loop,
     show_room,
 )
-from symbody.simulation.native.segments import Jumps, Watch
+from symbody.simulation.native.segments import Watch
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -137,6 +138,8 @@ class Course:
         From times (N,) and states (N, n) to the power (N,) [W].
     before : RawRun or None
         A run that was broken off where this one starts; the result contains it.
+    jumps : PassedJumps or None
+        Passes jumps of prescribed rates.
     """
 
     block: Floats
@@ -145,17 +148,15 @@ class Course:
     progress: Progress | None
     power: Power
     before: RawRun | None = None
+    jumps: PassedJumps | None = None
 
 
-def march(
-    stepper: StepwiseIntegrator, course: Course, watch: Watch | None, jumps: Jumps | None = None
-) -> RawRun:
+def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> RawRun:
     """Take steps to the end, until one fails, an event ends the run, or the caller interrupts."""
     run = SteppedRun(stepper, course)
     record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
     raw = run_loop(
-        run, record if course.before is None else _continue_record(course, record), course.progress, watch,
-        jumps,
+        run, record if course.before is None else _continue_record(course, record), course.progress, watch
     )  # fmt: skip
     spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
     if course.before is not None:
@@ -191,7 +192,7 @@ class SteppedRun:
     """The run of an integrator that takes one step at a call; see `native.run.CompiledRun`."""
 
     def __init__(self, stepper: StepwiseIntegrator, course: Course) -> None:
-        self.block = course.block
+        self.block, self.jumps = course.block, course.jumps
         self._stepper, self._course = stepper, course
         self._is_continued = course.before is not None
 
@@ -213,12 +214,26 @@ class SteppedRun:
             if watch is not None:
                 code = watch.process(self.block, record, code)
             if code == at.RESTARTED:
-                code = self.begin_anew(record)
+                code = self._begin_anew(record)
+            if code == at.FINISHED and self.jumps is not None and self.jumps.is_due:
+                code = self._pass_jump(record, watch, self.jumps)
             if code != at.RUNNING:
                 break
         return code
 
-    def begin_anew(self, record: Record, jumps: Jumps | None = None) -> int:
+    def _pass_jump(self, record: Record, watch: Watch | None, jumps: PassedJumps) -> int:
+        """Go on behind a jump of prescribed rates; return a code of `symbody.kernels.block`."""
+        if Run(self.block).counts.steps == len(record.pieces):
+            return at.FULL  # behind the steps there has to be room for one more
+        if watch is not None:
+            jumps.note_values(watch, self.block)
+        jumps.strike(self.block, record)
+        code = self._begin_anew(record)
+        if watch is not None:
+            jumps.watch_behind(watch, self.block, record)
+        return at.RUNNING if code == at.FINISHED else code  # events may be due there
+
+    def _begin_anew(self, record: Record) -> int:
         """Go on from another state; return a code of `symbody.kernels.block`."""
         self._stepper.restart(Run(self.block).time, state_of(self.block)[:-1].copy())
         return begin_again(self, record)

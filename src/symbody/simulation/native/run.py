@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,10 +16,14 @@ from symbody.kernels.block import Run
 from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Floats, LoopCall, Record
-from symbody.simulation.native.machine import step_machine
-from symbody.simulation.native.segments import HeldValues, Jumps, Watch
+from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.machine import LOOP, advance_motion, step_machine
+from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
+
+if TYPE_CHECKING:
+    from symbody.simulation.hybrid.passed_jumps import PassedJumps
+    from symbody.simulation.native.implicit import ImplicitPart
 
 Progress = Callable[[float], bool | None]
 
@@ -29,6 +33,7 @@ SLICE_SECONDS: Final = 0.05
 FIRST_CAPACITY: Final = 256
 # Samples that an event may add to those of given times: the states before and after.
 EVENT_SAMPLES: Final = 2
+_NO_ROOM: Final = (at.NO_EVENT_ROOM, at.NO_SAMPLE_ROOM, at.NO_MODE_ROOM)
 # Where the system does not tell its memory [bytes].
 ASSUMED_MEMORY: Final = 8 * 2**30
 
@@ -137,12 +142,18 @@ class NativeRun(NamedTuple):
         See `symbody.kernels.block`.
     held : HeldValues or None
         Takes samples on the way.
+    jumps : PassedJumps or None
+        Passes jumps of prescribed rates.
+    implicit : ImplicitPart or None
+        Takes implicit steps.
     """
 
     rhs: int
     projector: int
     block: Floats
     held: HeldValues | None = None
+    jumps: PassedJumps | None = None
+    implicit: ImplicitPart | None = None
 
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
@@ -150,7 +161,10 @@ class NativeRun(NamedTuple):
         if self.held is not None:
             self.held.begin(self.block)
         places = (record.wanted, record.t, record.x, record.breaks)
-        code = step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        if self.implicit is None:
+            code = step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        else:
+            code = self.implicit.begin(self.rhs, self.block, places)
         if code == at.FINISHED and self.held is not None:  # a sample may still be due
             return at.RUNNING
         return int(code)
@@ -158,19 +172,30 @@ class NativeRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
-        call = LoopCall(self.rhs, self.projector, self.block, record, trials)
-        if watch is not None:
-            return watch.advance(call, self.held)
-        if self.held is not None:
-            return self.held.advance(call)
-        return step_machine().advance(
-            self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
-        )
+        modes = None if watch is None else watch.modes
+        parts = [part for part in (watch, modes, self.held, self.jumps, self.implicit) if part is not None]
+        if not parts:
+            return step_machine().advance(
+                self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
+            )
+        if watch is not None and self.held is not None:
+            self.held.show_watch(watch.array)
+        loop = advance_motion(frozenset(part.feature for part in parts))
+        own: dict[str, int | Floats] = {"f": self.rhs, "g": self.projector, "run": self.block}
+        own |= dict(zip(("times", "t", "x", "breaks", "pieces"), record.arrays, strict=True))
+        code = at.NO_EVENT_ROOM
+        while code in _NO_ROOM:
+            for part in parts:
+                own |= part.arguments(self.block)
+            code = loop(*[_place(own.get(name, 0)) for name in LOOP], trials)
+            for part in parts:
+                part.answer(code)
+        return code
 
-    def begin_anew(self, record: Record, jumps: Jumps) -> int:
-        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
-        show_room(self.block, record)
-        return jumps.begin_again(self.rhs, self.block, record)
+
+def _place(argument: int | Floats) -> int:
+    """Return where a function or an array lies."""
+    return argument if isinstance(argument, int) else address(argument)
 
 
 class CompiledRun(Protocol):
@@ -181,16 +206,17 @@ class CompiledRun(Protocol):
         """See `symbody.kernels.block`."""
         ...
 
+    @property
+    def jumps(self) -> PassedJumps | None:
+        """Passes jumps of prescribed rates."""
+        ...
+
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
         ...
 
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
-        ...
-
-    def begin_anew(self, record: Record, jumps: Jumps) -> int:
-        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
         ...
 
 
@@ -247,25 +273,22 @@ def memory_limit() -> int:
 
 
 def run_loop(
-    run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None,
-    jumps: Jumps | None = None,
-) -> RawRun:  # fmt: skip
+    run: CompiledRun, record: Record, progress: Progress | None, watch: Watch | None = None
+) -> RawRun:
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    span = _bound(run, jumps)
+    span = _limit_run(run)
     budget = FIRST_SLICE
     code = at.RUNNING
     try:
         code = run.begin(record)
-        if code == at.FINISHED and watch is not None:  # events and samples may still be due there
+        if code == at.FINISHED and (watch is not None or run.jumps is not None):  # more may be due there
             code = at.RUNNING
         while code in (at.RUNNING, at.FULL):
             if code == at.FULL:
                 record = _grow(record, run.block)
             code, budget = _slice(run, record, budget, watch, clock)
-            if code == at.FINISHED:
-                record, code = _pass_jump(run, record, watch, jumps)
             if code in (at.RUNNING, at.FULL):
                 status = None if _report_progress(run, span, progress) else Status.INTERRUPTED
             if status is not None:
@@ -276,38 +299,16 @@ def run_loop(
         status = Status.OUT_OF_MEMORY
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
         watch.break_off(run.block, record)
-    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0], jumps)
+    return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
 
 
-def _bound(run: CompiledRun, jumps: Jumps | None) -> tuple[float, float]:
+def _limit_run(run: CompiledRun) -> tuple[float, float]:
     """Let a run end just before the first jump; return when the whole motion begins and ends [s]."""
     own = Run(run.block)
-    if jumps is None:
+    if run.jumps is None:
         return own.time, own.t_end
-    jumps.bound(run.block)
-    return own.time, jumps.t_end
-
-
-def _pass_jump(
-    run: CompiledRun, record: Record, watch: Watch | None, jumps: Jumps | None
-) -> tuple[Record, int]:
-    """Go on behind a jump of prescribed rates, if one is due; return what is stored, and a code."""
-    if jumps is None or not jumps.is_due(run.block):
-        return record, at.FINISHED
-    record = _with_room(record, run.block)
-    show_room(run.block, record)
-    if watch is not None and isinstance(run, NativeRun):
-        call = LoopCall(run.rhs, run.projector, run.block, record, 0)
-        code = watch.pass_jump(call, jumps, run.held)
-        if code is not None:
-            return record, code
-    if watch is not None:
-        watch.note_values(run.block, jumps)
-    jumps.strike(run.block, record)
-    code = run.begin_anew(record, jumps)
-    if watch is not None and code in (at.RUNNING, at.FINISHED):
-        watch.watch_behind(run.block, record, jumps)
-    return record, at.RUNNING if code == at.FINISHED else code  # events and samples may be due there
+    run.jumps.limit_run(run.block)
+    return own.time, run.jumps.t_end
 
 
 def begin_again(run: CompiledRun, record: Record) -> int:
@@ -364,14 +365,6 @@ def _grow(record: Record, block: Floats) -> Record:
     return record
 
 
-def _with_room(record: Record, block: Floats) -> Record:
-    """Return a record with room for a step of no length, and for samples beside it."""
-    counts = Run(block).counts
-    lacks_samples = record.every_step and counts.samples + EVENT_SAMPLES > record.t.size
-    lacks_steps = record.keep_dense and counts.steps == record.pieces.shape[0]
-    return _grow(record, block) if lacks_samples or lacks_steps else record
-
-
 def _double(array: Floats) -> Floats:
     size = array.shape[0]
     larger = np.empty((2 * size, *array.shape[1:]))
@@ -379,7 +372,7 @@ def _double(array: Floats) -> Floats:
     return larger
 
 
-def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float, jumps: Jumps | None) -> RawRun:
+def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -> RawRun:
     """Cut the record to what was written, and turn it so that time comes last."""
     counts = Run(run.block).counts
     samples, steps = counts.samples, counts.steps
@@ -394,14 +387,14 @@ def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float, j
         Run(run.block).time,
         counts.blamed_state if blamed else None,
         counts.failed_kernel - 1 if is_singular else None,
-        _dense_output(run, record, steps, jumps) if record.keep_dense else None,
-        () if jumps is None else jumps.passed,
+        _dense_output(run, record, steps) if record.keep_dense else None,
+        () if run.jumps is None else run.jumps.impulses,
     )
 
 
-def _dense_output(run: CompiledRun, record: Record, steps: int, jumps: Jumps | None) -> DenseOutput:
+def _dense_output(run: CompiledRun, record: Record, steps: int) -> DenseOutput:
     breaks, pieces = record.breaks[: steps + 1].copy(), record.pieces[:steps].copy()
-    if steps and not (jumps is not None and jumps.has_just_passed(run.block)):
+    if steps and not (run.jumps is not None and run.jumps.has_just_passed(run.block)):
         return DenseOutput(breaks, pieces)
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
     piece[0, 0], t = state_of(run.block), Run(run.block).time

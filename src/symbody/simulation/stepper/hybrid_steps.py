@@ -175,7 +175,7 @@ class HybridSteps(CompiledSteps):
         jumps = self._find_jumps(start)
         self._dead_end, self._ending, self.occurrences = None, "", ()
         end = numbers.next_end()
-        planned = jumps.inside((start, end))
+        planned = jumps.part((start, end))
         if planned.times and self._modes is not None:
             check_strike(self._problem.settings.moving.formed, planned.times[0])
         if self._sampler is not None:
@@ -262,12 +262,12 @@ class HybridSteps(CompiledSteps):
             end,
             max(motion.step, motion.first_step),
         )
-        run = NativeRun(self._right_hand_side, self._projector.address, block, self._samples)
-        record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
         jumps = None
         if planned.times:
             jumps = PassedJumps(self.motion_problem, planned, (motion.time, end), self._modes)
-        raw = run_loop(run, record, None, watch, jumps)
+        run = NativeRun(self._right_hand_side, self._projector.address, block, self._samples, jumps)
+        record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
+        raw = run_loop(run, record, None, watch)
         was_cut = counts.accepted > 1 or counts.rejected > 0 or raw.status is not Status.SUCCESS
         if was_cut:  # the longer step of before is not a guide any more
             motion.first_step = 0.0

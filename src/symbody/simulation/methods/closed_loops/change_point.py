@@ -109,9 +109,7 @@ def change_point_note(notes: Iterable[str]) -> str:
 
 def samples_on_the_way(motion: Motion) -> bool:
     """Return whether the method of a motion takes the samples of signals inside its loop."""
-    return not isinstance(motion.integrator, Stiff | GeneralizedAlpha) and not isinstance(
-        motion.constraints, GGL
-    )
+    return not isinstance(motion.integrator, Stiff) and not isinstance(motion.constraints, GGL)
 
 
 def integrate_on_branch(motion: Motion) -> Integration:

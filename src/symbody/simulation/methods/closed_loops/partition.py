@@ -30,6 +30,7 @@ from symbody.kernels.block import Run
 from symbody.kernels.configurations.chart_record import Chart
 from symbody.kernels.pack import pack
 from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.native_callback import NativeCallback
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR
@@ -40,7 +41,7 @@ from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.closing import POSED
 from symbody.simulation.native.description import Projector, Record, RightHandSide
 from symbody.simulation.native.run import SLICE_SECONDS, NativeRun
-from symbody.simulation.native.segments import Jumps, Watch
+from symbody.simulation.native.segments import Watch
 from symbody.single_flight import once
 from symbody.tolerances import EXACT
 
@@ -151,6 +152,11 @@ class ChartRun:
         """See `symbody.kernels.block`."""
         return self._native.block
 
+    @property
+    def jumps(self) -> PassedJumps | None:
+        """See `native.run.CompiledRun`."""
+        return self._native.jumps
+
     def interruptible(self) -> AbstractContextManager[None]:
         """Let Ctrl-C end the loop from within."""
         return self._passage.interruptible()
@@ -195,13 +201,6 @@ class ChartRun:
             else:
                 self._end_chart(t, q)
                 code = at.RUNNING
-        return code
-
-    def begin_anew(self, record: Record, jumps: Jumps) -> int:
-        """Go on from the state behind a jump; return a code of `symbody.kernels.block`."""
-        self._states.accept(Run(self.block).time, state_of(self.block).copy())
-        code = self._native.begin_anew(record, jumps)
-        self._raise_fault()
         return code
 
     def _place(self) -> tuple[float, Floats]:

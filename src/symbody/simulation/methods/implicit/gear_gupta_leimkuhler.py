@@ -101,8 +101,7 @@ def run_ggl(motion: Motion, method: Stiff, events: EventWatch | None) -> tuple[R
         solver, begin, lambda t, x: (x, False), watch, motion.state, motion.span,
         motion.step_ends(SHARE_OF_PIECE),
     )  # fmt: skip
-    jumps = motion.passed_jumps(ends_behind=events is not None and events.hands_over)
-    return march(stepper, motion.course(), events, jumps), notes
+    return march(stepper, motion.course(None, events), events), notes
 
 
 def _with_rows(eqs: EquationSet, names: Collection[str]) -> EquationSet:

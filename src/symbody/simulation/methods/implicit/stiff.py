@@ -136,8 +136,7 @@ def run_stiff(
         solver, solver.init_step, _Settling(closing, constraints), watch, motion.state, motion.span,
         motion.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    jumps = motion.passed_jumps(ends_behind=events is not None and events.hands_over)
-    return march(stepper, motion.course(closing), events, jumps)
+    return march(stepper, motion.course(closing, events), events)
 
 
 class _Settling:
