@@ -271,6 +271,9 @@ WAYS: dict[str, Way] = {
     "sweep": Way(by_sweep(rtol=1e-9), 1e-9),
     "sweep Stiff": Way(by_sweep(rtol=1e-10, integrator=sb.Stiff()), 1e-8),
     "C": Way(by_program("c", rtol=1e-9), 1e-9, is_alone=True),
+    "C GeneralizedAlpha": Way(
+        by_program("c", rtol=1e-6, integrator=sb.GeneralizedAlpha()), 1e-5, is_alone=True
+    ),
     "JavaScript": Way(by_program("javascript", rtol=1e-9), 1e-9, is_alone=True),
     "live page": Way(by_page, 1e-9, is_alone=True),
     "FMU co-simulation": Way(by_fmu("CoSimulation", 1e-9), 1e-9, is_alone=True),

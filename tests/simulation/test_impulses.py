@@ -205,3 +205,18 @@ def test_steps_refuse_friction_of_struck_reactions() -> None:
     assert float(stepper.t) < 0.4 <= float(stepper.t) + 0.05 + 1e-9
     with pytest.raises(UsageError):  # nothing has moved, nor counts as a step
         stepper.step()
+
+
+@pytest.mark.parametrize("way", WAYS, ids=[str(list(way.values())[:1]) for way in WAYS])
+@pytest.mark.parametrize("end", [0.4, 0.8])
+def test_of_times_the_sample_at_a_jump_is_behind_the_action_there(way: dict[str, object], end: float) -> None:
+    """The carrier becomes faster by 1 m/s, by which the rider falls behind; then an action turns that into 0.2."""
+    turned = sb.Event("r_dot + 0.5", action={"r_dot": "r_dot + 1.2"})
+    times = np.array([0.0, 0.4, end] if end > 0.4 else [0.0, 0.4])
+    run = sb.simulate(
+        struck_rider(), end, {"r": 1.0, "r_dot": 0.0}, times=times, events=turned, **way  # type: ignore[arg-type]
+    )  # fmt: skip
+    np.testing.assert_array_equal(run.t, times)
+    np.testing.assert_allclose(run["r_dot"], [0.0, *[0.2] * (times.size - 1)], rtol=0, atol=1e-9)
+    assert run["r"][-1] == pytest.approx(1.0 + 0.2 * (end - 0.4), abs=1e-9)
+    assert run["energy"][1] - run["energy"][0] == pytest.approx(run["work"][1], rel=1e-9)

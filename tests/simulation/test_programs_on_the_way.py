@@ -185,9 +185,6 @@ def test_rates_jump_in_programs_by_generalized_alpha(step: float | None, tmp_pat
 
 
 def test_what_programs_do_not_take_is_refused() -> None:
-    method = sb.GeneralizedAlpha()
-    with pytest.raises(sb.UsageError, match=r"GeneralizedAlpha\(\.\.\) does not compute this.*s is sampled"):
-        sb.generate_simulation(ball(sb.Signal("s", "z", sample=0.1)), 1.0, integrator=method)
     with pytest.raises(sb.UsageError, match="is not an event"):
         sb.generate_simulation(ball(), 1.0, events=["z"])  # type: ignore[list-item]
     with pytest.raises(sb.UsageError, match="another event has this name"):

@@ -168,3 +168,25 @@ def test_a_zero_just_behind_a_sample_at_the_end_of_a_step_is_one_event(direction
         expected = [0.1 * k] if direction >= 0 else []
         assert take(stepper, 2 * k + 2) == pytest.approx(expected, abs=1e-9)
     assert behind > 0
+
+
+METHODS: list[dict[str, Any]] = [
+    {}, {"integrator": sb.FixedStep(0.01)}, {"integrator": sb.Stiff()}, {"integrator": sb.GeneralizedAlpha()},
+    {"constraints": sb.Partition()},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("method", METHODS, ids=str)
+@pytest.mark.parametrize("dt", [0.4, 0.1, 0.02])
+def test_two_actions_within_rounding_of_the_end_of_a_step_both_happen(
+    method: dict[str, Any], dt: float
+) -> None:
+    """x = t, so both values are zero at 0.4, where a step ends; the speed is 1, then 1 + 1 and 1 + 1 + 2."""
+    both = [
+        sb.Event("t - 0.4", action={"x_dot": "x_dot + 1"}, name="clock"),
+        sb.Event("x - 0.4", action={"x_dot": "x_dot + 2"}, name="place"),
+    ]
+    stepper = sb.Stepper(free_mass(), dt, initial={"x": 0.0, "x_dot": 1.0}, events=both, **method)
+    names = [event.name for _ in range(round(0.8 / dt)) for event in stepper.step().events]
+    assert sorted(names) == ["clock", "place"]
+    assert stepper["x"] == pytest.approx(0.4 + 0.4 * 4.0, abs=1e-9)

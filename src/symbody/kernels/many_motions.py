@@ -29,15 +29,16 @@ from symbody.kernels.block import (
     Verdict,
 )
 from symbody.kernels.configurations.closing import set_metric
+from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
-from symbody.kernels.events.watched_motion import advance_watched
+from symbody.kernels.features import EVENTS, MODES
+from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.switching_motion import MOST_ROWS, advance_switching, begin_switching
+from symbody.kernels.motion_loop import MOST_ROWS, advance_motion, begin_motion
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.kernels.step_machine import advance, begin
 
 # A row of `looks`, then six numbers of each event: whether and when its value was no number,
 # had a pole, or why and since when it waits.
@@ -160,63 +161,51 @@ def keep_samples(run: Run, verdict: Verdict, x: Reals, samples: Reals) -> None:
 
 def note_looks(monitor: EventMonitor, modes: ModeSwitch, look: Reals) -> None:
     """Write down what the search has seen of a case."""
-    look[LOOK_HAPPENED] = monitor.happened
-    look[LOOK_MODES] = modes.recorded
-    look[LOOK_CULPRIT] = monitor.culprit
-    look[LOOK_UNTURNED] = monitor.unturned
-    for k in range(monitor.event_count):
-        event = monitor.events[k]
-        seen = part(look, LOOK_EVENTS + LOOK_SIZE * k, LOOK_SIZE)
-        seen[0] = event.no_number
-        seen[1] = event.no_number_time
-        seen[2] = event.pole
-        seen[3] = event.pole_time
-        seen[4] = event.waits
-        seen[5] = event.waits_time
+    if EVENTS != 0:
+        look[LOOK_HAPPENED] = monitor.happened
+        if MODES != 0:
+            look[LOOK_MODES] = modes.recorded
+        look[LOOK_CULPRIT] = monitor.culprit
+        look[LOOK_UNTURNED] = monitor.unturned
+        for k in range(monitor.event_count):
+            event = monitor.events[k]
+            seen = part(look, LOOK_EVENTS + LOOK_SIZE * k, LOOK_SIZE)
+            seen[0] = event.no_number
+            seen[1] = event.no_number_time
+            seen[2] = event.pole
+            seen[3] = event.pole_time
+            seen[4] = event.waits
+            seen[5] = event.waits_time
 
 
 def begin_case(
     f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, watch_size: int,
-    fresh: Reals, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, modes_size: int,
-    fresh_modes: Reals, row: Reals, times: Reals, t: Reals, x: Reals, breaks: Reals, H: Reals, Z: Reals,
+    fresh: Reals, modes: ModeSwitch, modes_size: int, fresh_modes: Reals, row: Reals, times: Reals, t: Reals,
+    x: Reals, breaks: Reals, H: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Set everything to the beginning of a case, and begin it; return a code of `block`."""
     place = prepare(run, row)
-    if monitor.event_count > 0:
+    if EVENTS != 0:
         place = place + prepare_watch(run, monitor, watch_size, fresh, part(row, place, 1))
     run.cases.begun = 1.0
-    if modes.count > 0:
+    if MODES != 0:
         prepare_modes(modes, modes_size, fresh_modes, part(row, place, 1))
-        return begin_switching(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, H, Z)
-    return begin(f, run, times, t, x, breaks)
-
-
-def advance_case(
-    f: Function, g: Function, e: Function, a: Function, c: Function, d: Function, w: Function, run: Run,
-    monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals,
-    x: Reals, breaks: Reals, pieces: Reals, H: Reals, Z: Reals, trials: int,
-) -> int:  # fmt: skip
-    """Try up to so many steps of a case, with what may happen along it; return a code of `block`."""
-    if modes.count > 0:
-        return advance_switching(
-            f, g, e, a, c, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, pieces, H, H, Z, trials
-        )
-    if monitor.event_count > 0:
-        return advance_watched(f, g, e, a, c, run, monitor, times, t, x, breaks, pieces, H, trials)
-    return advance(f, g, run, times, t, x, breaks, pieces, trials)
+    return begin_motion(
+        f, e, d, w, run, ImplicitStep.view(H, 0), monitor, SampleHold.view(H, 0), FunctionNumbers.view(H, 0),
+        modes, times, t, x, breaks, H, Z,
+    )  # fmt: skip
 
 
 def run_cases(
     f: Function, g: Function, e: Function, a: Function, c: Function, d: Function, w: Function, run: Run,
-    monitor: EventMonitor, watch_size: int, fresh: Reals, held: SampleHold, Q: FunctionNumbers,
-    modes: ModeSwitch, modes_size: int, fresh_modes: Reals, count: int, size: int, cases: Reals, times: Reals,
-    t: Reals, x: Reals, samples: Reals, verdicts: Reals, breaks: Reals, pieces: Reals, H: Reals, looks: Reals,
-    Z: Reals, trials: int,
+    monitor: EventMonitor, watch_size: int, fresh: Reals, modes: ModeSwitch, modes_size: int,
+    fresh_modes: Reals, count: int, size: int, cases: Reals, times: Reals, t: Reals, x: Reals, samples: Reals,
+    verdicts: Reals, breaks: Reals, pieces: Reals, H: Reals, looks: Reals, Z: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps of the cases without a verdict; return a code of `block`.
 
     `FULL`, `NO_EVENT_ROOM` and `NO_MODE_ROOM` want more room for steps, for what happens, in Z; `size` is
-    that of a row of `cases`. A monitor without events and a switch without modes stand for none; `fresh` and
+    that of a row of `cases`. `fresh` and
     `fresh_modes` are those of motions that have not begun. `t` and `x` are room for the samples of one case
     and two more, `samples` holds those of all.
     """
@@ -228,17 +217,20 @@ def run_cases(
         if verdict.code == NOT_ENDED:
             code = RUNNING
             if run.cases.begun == 0.0:
-                if modes.count > 0 and modes.recorded + MOST_ROWS > modes.room:
-                    return NO_MODE_ROOM
+                if MODES != 0:
+                    if modes.recorded + MOST_ROWS > modes.room:
+                        return NO_MODE_ROOM
                 code = begin_case(
-                    f, e, d, w, run, monitor, watch_size, fresh, held, Q, modes, modes_size, fresh_modes,
+                    f, e, d, w, run, monitor, watch_size, fresh, modes, modes_size, fresh_modes,
                     part(cases, k * size, size), times, t, x, breaks, H, Z,
                 )  # fmt: skip
             before = run.counts.accepted + run.counts.rejected
             if code == RUNNING:
-                code = advance_case(
-                    f, g, e, a, c, d, w, run, monitor, held, Q, modes, times, t, x, breaks, pieces, H, Z, left
-                )
+                code = advance_motion(
+                    f, f, f, g, e, a, c, e, e, d, w, run, ImplicitStep.view(H, 0), monitor,
+                    SampleHold.view(H, 0), FunctionNumbers.view(H, 0), RateJumps.view(H, 0), modes, times, t,
+                    x, breaks, pieces, H, H, Z, left,
+                )  # fmt: skip
             left = left - int(run.counts.accepted + run.counts.rejected - before)
             if code == FULL or code == NO_EVENT_ROOM or code == NO_MODE_ROOM:
                 return code
@@ -246,8 +238,7 @@ def run_cases(
             keep_samples(run, verdict, x, samples)
             if code == RUNNING:
                 return RUNNING
-            if monitor.event_count > 0:
-                note_looks(monitor, modes, part(looks, k * look_size, look_size))
+            note_looks(monitor, modes, part(looks, k * look_size, look_size))
         run.cases.current = k + 1
         run.cases.begun = 0.0
     return FINISHED

@@ -1,14 +1,14 @@
-"""`drive`: a motion piece by piece, from one jump of prescribed rates or step of an FMU to the next.
+"""`drive`: a motion piece by piece, from one step of an FMU to the next.
 
 At one instant, in this order: prescribed rates jump; events act; signals are sampled; FMUs take their
 steps; ropes strike; and modes are decided: which joints stick and which ropes are taut. Explicit methods do
-all but jumps and FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece
-at each sample and, beside modes, at each action and end of a mode.
+all but FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece at each
+sample and, beside modes, at each jump, action and end of a mode.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from typing import Final, NamedTuple
@@ -19,13 +19,7 @@ from numpy.typing import NDArray
 from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
-from symbody.simulation.hybrid.rate_jumps import (
-    jump_notes,
-    jump_times,
-    neglect_note,
-    pass_jump,
-    strikes,
-)
+from symbody.simulation.hybrid.rate_jumps import jump_notes, jump_times, neglect_note
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
     SwitchingModes,
@@ -58,14 +52,11 @@ class PieceStart(NamedTuple):
     ----------
     is_changed : bool
         Whether the state was changed there, so that modes before it do not matter.
-    follows_jump : bool
-        Whether it stands behind a jump of rates, where nothing else has happened yet.
     """
 
     t: float
     x: Floats
     is_changed: bool = False
-    follows_jump: bool = False
 
 
 class Driven(NamedTuple):
@@ -92,6 +83,7 @@ def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
         If an FMU or a law fails, or no speeds fit rates that jump.
     """
     problem, span, x = motion.problem, motion.span, motion.state
+    motion = replace(motion, jumps=jump_times(problem, x, span))
     fmus = {name: law for name, law in (inputs or {}).items() if isinstance(law, FmuInput)}
     sampler = None if problem.sampler is None or samples_on_the_way(motion) else problem.sampler
     with ExitStack() as stack:
@@ -99,7 +91,7 @@ def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
         pieces = _MotionByPieces(motion, held)
         if not pieces.has_instants:
             piece = execute(motion)
-            return Driven(piece.run, problem, piece.sides)
+            return Driven(with_jump_notes(piece.run, problem, piece.jumps), problem, piece.sides)
         return pieces.go()
 
 
@@ -115,27 +107,21 @@ class _MotionByPieces:
     """
 
     def __init__(self, motion: Motion, held: HeldInputs) -> None:
-        problem, span = motion.problem, motion.span
         self._motion, self._held = motion, held
         self._pieces = Pieces(motion)
-        self._times, margin = jump_times(problem, motion.state, span)
-        self._way = 1.0 if span[1] >= span[0] else -1.0
-        self._step = self._way * margin
-        self._jumped: list[tuple[float, float]] = []  # jumps that changed a speed: when, and the energy
-        self._passed = 0  # of the jumps
         self._modes = switching_modes(held.problem)
         self._integrator = motion.integrator
         self._decided = 0  # rows of the record of modes where the piece begins
         self._changes: list[float] = []
         if self._modes is not None:
-            check_backwards(span)
-        if self._modes is not None and self._times:
-            check_strike(problem.eqs.formed, self._times[0])
+            check_backwards(motion.span)
+        if self._modes is not None and motion.jumps.times:
+            check_strike(motion.problem.eqs.formed, motion.jumps.times[0])
 
     @property
     def has_instants(self) -> bool:
         """Whether anything happens that the compiled loop does not do."""
-        return bool(self._times) or self._modes is not None or np.isfinite(self._held.due)
+        return self._modes is not None or bool(np.isfinite(self._held.due))
 
     def go(self) -> Driven:
         """Return the whole motion."""
@@ -155,20 +141,12 @@ class _MotionByPieces:
         stage: PieceStart | None = PieceStart(motion.span[0], motion.state, is_changed=True)
         try:
             while stage is not None:
-                if stage.follows_jump and self._held.is_due(stage.t) and motion.events:
-                    stage = self._act_behind(stage)
-                    continue
                 x = self._settle(stage)
                 until = self._next_instant(stage.t)
                 stage = self._end_piece(*self._move(x, stage.t, until))
         except DeadEndError as end:
             return self._dead_end(end)
         return self._whole()
-
-    def _act_behind(self, stage: PieceStart) -> PieceStart | None:
-        """Let events act whose values have jumped through zero with the rates, before samples are taken."""
-        until = MotionInstant("events", stage.t, stage.t, stage.t)
-        return self._end_piece(*self._move(stage.x, stage.t, until))
 
     def _settle(self, stage: PieceStart) -> Floats:
         """Take the samples that are due, and decide the modes; return the state with which a piece begins."""
@@ -190,20 +168,11 @@ class _MotionByPieces:
 
     def _next_instant(self, t: float) -> MotionInstant:
         """Return when more happens than events."""
-        end, way = self._motion.span[1], self._way
-        if way * (end - t) <= 0.0:  # behind a jump at the end
-            return MotionInstant("end", t, t, t)
-        found = MotionInstant("end", end, end, end)
-        due = self._held.due
-        if due < end - self._held.width:
-            found = MotionInstant("sample", due, due, due, self._held.width)
-        if self._passed < len(self._times):
-            jump, step = self._times[self._passed], self._step
-            before = max(jump - step, t, key=lambda time: way * time)
-            if way * before <= way * found.at:
-                behind = min(jump + step, end, key=lambda time: way * time)
-                found = MotionInstant("jump", jump, before, behind)
-        return found
+        end, due, jumps = self._motion.span[1], self._held.due, self._motion.jumps
+        if not due < end - self._held.width:
+            return MotionInstant("end", end, end)
+        beside = [jump + jumps.margin for jump in jumps.times if jump > t and abs(jump - due) <= jumps.margin]
+        return MotionInstant("sample", due, min(max([due, *beside]), end), self._held.width)
 
     def _move(self, x: Floats, t: float, until: MotionInstant) -> tuple[MotionPiece, MotionInstant]:
         """Add the piece from a state to an instant, or to what ends it before; return it and when it ends."""
@@ -214,9 +183,9 @@ class _MotionByPieces:
             self._integrator = Stiff()  # which was chosen on the way: the loop itself goes on in other modes
         end = None if modes is None else self._end_of_shares(piece, modes)
         if end is not None:
-            until = MotionInstant("modes", end, end, end)
+            until = MotionInstant("modes", end, end)
             piece = self._execute(problem, x, t, until)
-        self._pieces.add(piece, until)
+        self._pieces.add(piece)
         return piece, until
 
     def _execute(self, problem: SimulationProblem, x: Floats, t: float, until: MotionInstant) -> MotionPiece:
@@ -245,20 +214,17 @@ class _MotionByPieces:
         if piece.behind is not None:
             self._pieces.add_energy(float(piece.behind[-1]) - work_at_end(run))
             x = piece.behind[:-1]
+        if piece.reached < until.end:  # just behind a jump
+            self._pieces.leave_out(piece.reached, is_replaced=True)
+            return PieceStart(piece.reached, x, is_changed=True)
         if until.happens == "end":
             self._held.sample_signals(until.at, x)
             return None
-        if until.happens == "jump":
-            self._passed += 1
-            return PieceStart(until.behind, self._jump(x, until), is_changed=True, follows_jump=True)
-        if until.happens == "events":
-            self._pieces.leave_out(until.at)
-            return PieceStart(until.at, x, is_changed=True)
         if until.happens == "modes":
             self._check_chatter(until.at)
         else:
             self._report(until.at)
-        return PieceStart(until.behind, x)
+        return PieceStart(until.end, x)
 
     def _act(self, t: float, piece: MotionPiece, after: Floats) -> PieceStart:
         """Go on from a state that actions set."""
@@ -282,18 +248,6 @@ class _MotionByPieces:
         if len(self._changes) > _MOST_CHANGES and t - recent[0] < INSTANT * (end - start):
             raise DeadEndError(t, Status.CHATTERING, "modes change again and again")
 
-    def _jump(self, x: Floats, until: MotionInstant) -> Floats:
-        """Return the state behind a jump of prescribed rates."""
-        problem, behind = self._held.problem, until.behind
-        if self._modes is not None:
-            self._modes.release()
-            problem = self._modes.problem
-        moved, gained = pass_jump(problem, until.before, behind, x)
-        self._pieces.add_energy(gained)
-        if strikes(problem, moved - x):
-            self._jumped.append((until.at, gained))
-        return moved
-
     def _report(self, t: float) -> None:
         """Report how far the motion is at a sample: pieces are too short for reports of their own.
 
@@ -314,7 +268,7 @@ class _MotionByPieces:
             t, problem = motion.span[0], self._held.problem
             start = one_state(t)
             problem = problem if self._modes is None else self._modes.problem
-            self._pieces.add(execute(self._pieces.plan(problem, motion.state, t, start)), start)
+            self._pieces.add(execute(self._pieces.plan(problem, motion.state, t, start)))
         run = self._whole()
         return replace(run, status=end.status, notes=(*run.notes, f"at t = {end.t:.9g} s {end.why}"))
 
@@ -325,12 +279,20 @@ class _MotionByPieces:
         notes = run.notes
         if np.isfinite(self._held.due) and len(notes) > _MOST_NOTES:
             notes = (*notes[:_MOST_NOTES], f"{len(notes) - _MOST_NOTES} more notes on values between samples")
-        jumps = (*jump_notes(self._jumped), *neglect_note(problem.eqs.formed)) if self._jumped else ()
-        run = replace(run, notes=(*notes, *jumps))
+        run = with_jump_notes(replace(run, notes=notes), problem, self._pieces.jumps)
         return run if self._modes is None else self._with_modes(run, self._modes)
 
     def _with_modes(self, run: Trajectory, modes: SwitchingModes) -> Trajectory:
         """Return a motion with the changes of modes among its events."""
-        record, way = modes.record, self._way
-        events = sorted((*run.events, *record.occurrences), key=lambda event: way * event.t)
+        record = modes.record
+        events = sorted((*run.events, *record.occurrences), key=lambda event: event.t)
         return replace(run, events=tuple(events), notes=(*run.notes, *record.notes), modes=record.changes)
+
+
+def with_jump_notes(
+    run: Trajectory, problem: SimulationProblem, jumps: Sequence[tuple[float, float]]
+) -> Trajectory:
+    """Return a motion with notes on when prescribed rates have changed speeds, and on the energy."""
+    if not jumps:
+        return run
+    return replace(run, notes=(*run.notes, *jump_notes(jumps), *neglect_note(problem.eqs.formed)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -37,6 +38,10 @@ class MotionPiece(NamedTuple):
         When modes are to be decided outside for the motion to go on [s].
     behind : (n + 1,) array or None
         The state that actions set at the very end of a motion that goes on by itself.
+    jumps : tuple
+        When prescribed rates have changed speeds [s], and by how much the energy [J].
+    reached : float
+        When it ends [s].
     """
 
     run: Trajectory
@@ -45,6 +50,8 @@ class MotionPiece(NamedTuple):
     after: Floats | None = None
     goes_on: float | None = None
     behind: Floats | None = None
+    jumps: tuple[tuple[float, float], ...] = ()
+    reached: float = math.nan
 
 
 def execute(motion: Motion) -> MotionPiece:
@@ -57,14 +64,16 @@ def execute(motion: Motion) -> MotionPiece:
     run = integrate_on_branch(motion)
     if pivots or not run.raw.status.success:
         run = judge_pivots(judge_friction(problem, run), pivots)
-    watch, trajectory = run.watch, _trajectory(problem, run)
+    watch, trajectory, reached = run.watch, _trajectory(problem, run), run.raw.reached
     if watch is None:
-        return MotionPiece(trajectory)
+        return MotionPiece(trajectory, jumps=run.raw.jumps, reached=reached)
     after = watch.acted_state
     goes_on = watch.last_time if after is not None or watch.has_ended_mode else None
     goes_on = goes_on if run.raw.status is Status.STOPPED else None
-    behind = watch.state_behind(run.raw.reached) if run.raw.status is Status.SUCCESS else None
-    return MotionPiece(trajectory, watch.occurrences, watch.sides_at(run.raw.reached), after, goes_on, behind)
+    behind = watch.state_behind(reached) if run.raw.status is Status.SUCCESS else None
+    return MotionPiece(
+        trajectory, watch.occurrences, watch.sides_at(reached), after, goes_on, behind, run.raw.jumps, reached
+    )
 
 
 def _trajectory(problem: SimulationProblem, run: Integration) -> Trajectory:

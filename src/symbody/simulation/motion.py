@@ -16,6 +16,8 @@ from symbody.equations.equation_set import EquationSet
 from symbody.simulation.events.event_functions import EventFunctions, watched_outputs
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, EventSide
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
+from symbody.simulation.hybrid.rate_jumps import NO_JUMPS, PlannedJumps
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import PROJECTED, Projection, make_projector, residual_share
@@ -70,6 +72,8 @@ class Motion:
         Decides which joints stick and which ropes are taut on the way.
     first_modes : array, optional
         Those with which it begins, by default the present ones; see `begin_modes`.
+    jumps : PlannedJumps
+        When prescribed rates jump.
 
     Raises
     ------
@@ -92,6 +96,7 @@ class Motion:
     sides: tuple[EventSide, ...] = ()
     modes: SwitchingModes | None = None
     first_modes: Floats | None = None
+    jumps: PlannedJumps = NO_JUMPS
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -170,7 +175,16 @@ class Motion:
             self, problem=problem or self.problem,
             x0=np.append(x, 0.0), span=span, times=times, max_steps=self.max_steps - steps_before,
             progress=None if progress is None else scale, sides=self.sides if span[0] == start else (),
+            jumps=self.jumps.part(span),
         )  # fmt: skip
+
+    def passed_jumps(self, watch: EventWatch | None) -> PassedJumps | None:
+        """Return what passes the jumps of prescribed rates in one run; None without any."""
+        ends_behind = watch is not None and watch.hands_over
+        planned = self.jumps.part(self.span)
+        if not planned.times:
+            return None
+        return PassedJumps(self.problem, planned, self.span, self.modes, ends_behind=ends_behind)
 
     def compile_outputs(self, outputs: str | Sequence[str], eqs: EquationSet | None = None) -> StateFunction:
         """Return a function of time and state, by default of these equations."""
@@ -221,7 +235,7 @@ class Motion:
         functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides, modes)
 
-    def course(self, closing: StateProjector | None = None) -> Course:
+    def course(self, closing: StateProjector | None, watch: EventWatch | None) -> Course:
         """Return the course to march; samples are brought onto the constraints by `closing`."""
         n_u, function = self.n_u, self.problem.compile_outputs("power")
 
@@ -235,7 +249,9 @@ class Motion:
         rhs = NO_FUNCTION._replace(n_u=n_u)
         block = make_block(rhs, projector, DORMAND_PRINCE_8, goal, self.x0, self.span[0])
         times = None if self.times is None else np.asarray(self.times)
-        return Course(block, projector.address, times, self.progress, power, self.before)
+        return Course(
+            block, projector.address, times, self.progress, power, self.before, self.passed_jumps(watch)
+        )
 
 
 def first_numbers(first: State) -> Floats:

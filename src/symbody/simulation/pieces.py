@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,26 +28,24 @@ class MotionInstant(NamedTuple):
     Attributes
     ----------
     happens : str
-        "jump", "sample", "modes" or "end"; "start" where a piece is one state, which is a sample; "events"
-        where events act on one state.
+        "sample", "modes" or "end"; "start" where a piece is one state, which is a sample.
     at : float
         The time [s].
-    before, behind : float
-        Where the smooth motion before it ends, and where the one behind it begins [s].
+    end : float
+        Where the motion before it ends [s]: behind a jump of rates at the same time.
     width : float
         Times so much before it are the same time [s].
     """
 
     happens: str
     at: float
-    before: float
-    behind: float
+    end: float
     width: float = 0.0
 
 
 def one_state(t: float) -> MotionInstant:
     """Return the end of a piece that is one state."""
-    return MotionInstant("start", t, t, t)
+    return MotionInstant("start", t, t)
 
 
 class Pieces:
@@ -65,6 +62,8 @@ class Pieces:
         Each starts where the one before ends.
     occurrences : list of Occurrence
         What happened.
+    jumps : list of (float, float)
+        When prescribed rates have changed speeds [s], and by how much the energy [J].
     sides : tuple of EventSide
         Where the values of the motion's events stand at the end.
     """
@@ -78,15 +77,15 @@ class Pieces:
         self._stored = 0  # of the samples asked for
         self._steps = 0
         self._width = 0.0
-        self._edge: float | None = None  # of the last piece, where it ends at a jump
+        self.jumps: list[tuple[float, float]] = []
 
     def plan(
         self, problem: SimulationProblem, x: Floats, t: float, end: MotionInstant
     ) -> Motion:  # fmt: skip
         """Return the motion of the next piece, with its equations."""
         whole = self._motion
-        span = t, end.before
-        self._width = max(self._width, end.width, abs(end.behind - end.before))
+        span = t, end.end
+        self._width = max(self._width, end.width, abs(end.end - end.at))
         part = whole.part(x, span, self._times(span, end), self._steps, problem)
         if end.happens == "start":  # nothing happens in one state
             return replace(part, problem=replace(problem, sampler=None), events=())
@@ -99,24 +98,15 @@ class Pieces:
             return None
         times, last = np.asarray(whole.times), None
         if end.happens != "end":
-            is_forward = whole.span[1] >= whole.span[0]
-            is_before = times < end.at - end.width if is_forward else times >= end.at
-            last = int(np.count_nonzero(is_before))
+            last = int(np.count_nonzero(times < end.at - end.width))
         clipped: Floats = np.clip(times[self._stored : last], min(span), max(span))
         return clipped
 
-    def add(self, piece: MotionPiece, until: MotionInstant) -> None:
-        """Add a piece that was to end at an instant.
-
-        Where rates jump, pieces are computed beside the jump, and meet in it.
-        """
-        run, is_there = piece.run, piece.run.status is Status.SUCCESS and until.happens == "jump"
-        edge = None
-        if is_there:
-            is_forward = self._motion.span[1] >= self._motion.span[0]
-            edge = until.at if is_forward else math.nextafter(until.at, -math.inf)
-        self.runs.append(_stretch(run, self._edge, edge))
-        self._edge = edge
+    def add(self, piece: MotionPiece) -> None:
+        """Add a piece."""
+        run = piece.run
+        self.runs.append(run)
+        self.jumps.extend(piece.jumps)
         self.occurrences.extend(run.events)
         self._stored += run.t.size
         self._steps += run.statistics.accepted + (run.statistics.rejected or 0)
@@ -148,7 +138,7 @@ class Pieces:
         if self.runs:
             self.leave_out(t, is_replaced=True)
         elif self._motion.times is None:
-            self.add(execute(first), one_state(t))
+            self.add(execute(first))
 
     def add_energy(self, change: float) -> None:
         """Count what the energy jumps by before the next piece [J] as work."""
@@ -171,22 +161,6 @@ def _length(run: Trajectory) -> float:
     """Return how long a piece lasts [s]."""
     dense = run.dense_output
     return 0.0 if dense is None else abs(float(dense.breaks[-1] - dense.breaks[0]))
-
-
-def _stretch(run: Trajectory, first: float | None, last: float | None) -> Trajectory:
-    """Return a piece that begins and ends at other times, beside which it was computed."""
-    dense = run.dense_output
-    if dense is None or (first is None and last is None):
-        return run
-    breaks = dense.breaks.copy()
-    if first is not None:
-        breaks[0] = first
-    if last is not None:
-        breaks[-1] = last
-    evaluate = run.evaluate
-    if isinstance(evaluate, Evaluator) and evaluate.work is not None:
-        evaluate = replace(evaluate, work=replace(evaluate.work, breaks=breaks))
-    return replace(run, dense_output=replace(dense, breaks=breaks), evaluate=evaluate)
 
 
 def concatenate(

@@ -14,16 +14,28 @@ from importlib import import_module, resources
 from types import MappingProxyType
 from typing import Final
 
+from symbody.codegen.kernels.featured import with_features
 from symbody.codegen.kernels.functions import FunctionReader, read_signature
 from symbody.codegen.kernels.source import KernelSource
-from symbody.codegen.kernels.tree import KernelTree, Literal, Type, called_kernels, changed_arrays, effects_of
+from symbody.codegen.kernels.tree import (
+    KernelTree,
+    Literal,
+    Type,
+    Variable,
+    called_kernels,
+    changed_arrays,
+    effects_of,
+)
 from symbody.kernels.record_layout import RecordLayout
 
 PACKAGE: Final = "symbody.kernels"
+FEATURES: Final = f"{PACKAGE}.features"
 LANGUAGE: Final = (f"{PACKAGE}.language", f"{PACKAGE}.record_layout")
 
 
-def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
+def read_kernels(
+    module: str, *roots: str, features: Collection[str] | None = None
+) -> Mapping[str, KernelTree]:
     """Return kernels of one file and those that they call, each behind the kernels that it calls.
 
     Parameters
@@ -32,6 +44,8 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
         Name of a file below `symbody.kernels`, without folder and suffix.
     *roots : str
         The kernels; by default the one that is called like the file.
+    features : collection of str, optional
+        What the motion has, names in `kernels.features`; by default no kernel asks for any.
 
     Raises
     ------
@@ -39,6 +53,8 @@ def read_kernels(module: str, *roots: str) -> Mapping[str, KernelTree]:
         If something is outside the language: file, line, cure.
     """
     content = _read(_modules()[module])
+    if features is not None:
+        return with_features(content.kernels, roots or [module], features)
     needed, waiting = set[str](), list(roots or [module])
     while waiting:
         name = waiting.pop()
@@ -113,7 +129,7 @@ def _read(module: str) -> _Content:
 
 
 @cache
-def _constants(module: str) -> Mapping[str, Literal]:
+def _constants(module: str) -> Mapping[str, Literal | Variable]:
     source = KernelSource(_file(module))
     for node in _syntax(module).body:
         if isinstance(node, ast.AnnAssign):
@@ -153,7 +169,9 @@ def _import(source: KernelSource, node: ast.ImportFrom) -> _Content:
         source.refuse(node, f"kernels import nothing from {module}", f"import from {PACKAGE} alone")
     content, constants, records = _read(module), _constants(module), _records(module)
     for alias in node.names:
-        if alias.name in constants:
+        if module == FEATURES:
+            source.constants[alias.name] = Variable(alias.name, Type.INTEGER)
+        elif alias.name in constants:
             source.constants[alias.name] = constants[alias.name]
         elif alias.name in records:
             source.records[alias.name] = records[alias.name]

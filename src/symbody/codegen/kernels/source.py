@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass, field
 from typing import NoReturn
 
-from symbody.codegen.kernels.tree import Literal, Type
+from symbody.codegen.kernels.tree import Literal, Type, Variable
 from symbody.errors import Problem, SymbodyError
 from symbody.kernels.record_layout import RecordLayout
 
@@ -20,7 +20,7 @@ class KernelSource:
     """A file by name, and the constants and records defined so far."""
 
     file: str
-    constants: dict[str, Literal] = field(default_factory=dict)
+    constants: dict[str, Literal | Variable] = field(default_factory=dict)
     records: dict[str, type[RecordLayout]] = field(default_factory=dict)
 
     def refuse(self, node: ast.AST, what: str, fix: str) -> NoReturn:
@@ -39,8 +39,8 @@ class KernelSource:
         match node:
             case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
                 return value
-            case ast.Name(id=name) if name in self.constants:
-                return self.constants[name].value
+            case ast.Name(id=name) if isinstance(known := self.constants.get(name), Literal):
+                return known.value
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 return -self._number(operand)
             case ast.BinOp(left=left, op=operator, right=right):

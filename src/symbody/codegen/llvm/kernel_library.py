@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 
 import llvmlite.binding as binding
@@ -17,16 +17,20 @@ from symbody.codegen.llvm.stored_module import Module, read_module, store_module
 _LIBRARIES: Final[list[binding.ResourceTracker]] = []  # functions live as long as these
 
 
-def load_kernels(module: str, names: Sequence[str], *, light: bool = False) -> Mapping[str, int]:
+def load_kernels(
+    module: str, names: Sequence[str], *, light: bool = False, features: Collection[str] | None = None
+) -> Mapping[str, int]:
     """Return the addresses of kernels that one file holds or imports, valid as long as the process lives.
 
-    Those called once in a while are compiled in a third of the time with `light`.
+    Those called once in a while are compiled in a third of the time with `light`; `features` is what the
+    motion has whose loop they are.
     """
-    key = written_by() and b"\n".join([written_by(), module.encode(), *map(str.encode, names)])
+    words = [module, *names, *sorted(features or ())]
+    key = written_by() and b"\n".join([written_by(), *map(str.encode, words)])
     key = key and key + environment().encode()
     stored = read_module(key)
     if stored is None:
-        text = llvm_text(read_kernels(module, *names), names, lanes=lanes())
+        text = llvm_text(read_kernels(module, *names, features=features), names, lanes=lanes())
         stored = Module((light_code(text) if light else optimized_code(text),), 0, ())
         store_module(key, stored)
     return _addresses(stored, names)

@@ -2,7 +2,7 @@
 
 from symbody.kernels.block import FunctionNumbers
 from symbody.kernels.language import Reals
-from symbody.kernels.record_layout import RecordLayout, pointer
+from symbody.kernels.record_layout import RecordLayout, Rows, pointer
 
 
 class StrikeProblem(RecordLayout):
@@ -31,11 +31,22 @@ class StrikeProblem(RecordLayout):
     scratch: Reals = pointer("room")
 
 
+class RateJump(RecordLayout):
+    """One jump of prescribed rates: when, and what it has done."""
+
+    before: float  # where the motion before it ends [s]
+    meets: float  # where that meets the motion behind it
+    behind: float  # where that begins
+    gained: float  # by how much the energy has risen [J]
+    change: float  # the largest change of a state
+
+
 class RateJumps(RecordLayout):
     """When prescribed rates jump along a motion."""
 
     next: int
     count: int
     t_end: float  # of the motion [s]
-    times: Reals = pointer("count", 2)  # just before and just behind each
+    ends_behind: float  # whether the motion ends just behind each, 1 or 0: it goes on outside
+    jumps: Rows[RateJump] = pointer("count")
     problem: StrikeProblem = pointer()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from symbody.kernels.block import NO_EVENT_ROOM, RESTARTED, RUNNING, Run
 from symbody.kernels.dense_output import interpolate
+from symbody.kernels.events.event_interruptions import values_before
 from symbody.kernels.events.event_monitor import GOES_ON, NO_ROOM, NOTHING_YET, EventMonitor
 from symbody.kernels.events.event_watch import look
 from symbody.kernels.events.watched_motion import cut_back, end_at_event, look_behind
@@ -63,4 +64,6 @@ def process_given(
         return end_at_event(run, monitor, t, x, breaks, pieces, happened)
     cut_back(run, monitor, t, x, breaks, pieces, 1)
     copy(run.states, monitor.after, run.state_old)
+    if run.time == run.t_end:
+        values_before(e, run, monitor)
     return RESTARTED

@@ -30,10 +30,9 @@ from symbody.kernels.events.event_monitor import (
     EventMonitor,
 )
 from symbody.kernels.events.event_watch import look
-from symbody.kernels.events.zeros_in_order import steps_before
+from symbody.kernels.events.zeros_in_order import SIMULTANEOUS, steps_before
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
-from symbody.kernels.step_machine import advance, begin_again
 
 
 def shorten(n: int, rows: int, fit: Reals, piece: Reals, share: float) -> None:
@@ -57,15 +56,23 @@ def cut_back(
     n = run.states
     rows = run.method.dense_rows
     cut = monitor.cut
-    end = steps_before(breaks, run.counts.steps, cut, run.goal.direction)
-    if end > 0 and breaks[end] != cut:
-        share = (cut - breaks[end - 1]) / (breaks[end] - breaks[end - 1])
-        shorten(n, rows, monitor.cut_fit, part(pieces, (end - 1) * rows * n, rows * n), share)
-    breaks[end] = cut
+    way = run.goal.direction
+    end = steps_before(breaks, run.counts.steps, cut, way)
+    first = cut
+    if (breaks[end] - cut) * way < 0.0:
+        first = breaks[end]  # just behind a jump, where steps meet
+    else:
+        if end > 0 and breaks[end] != cut:
+            share = (cut - breaks[end - 1]) / (breaks[end] - breaks[end - 1])
+            shorten(n, rows, monitor.cut_fit, part(pieces, (end - 1) * rows * n, rows * n), share)
+        breaks[end] = cut
+        if end > 0 and run.room.every_step == 0.0:
+            if abs(cut - breaks[end - 1]) <= SIMULTANEOUS * max(monitor.span, abs(cut)):
+                first = breaks[end - 1]  # both are one instant
     run.counts.steps = end
     sample = run.counts.samples
     while sample > 0:
-        if (t[sample - 1] - cut) * run.goal.direction < 0.0:
+        if (t[sample - 1] - first) * way < 0.0:
             break
         sample = sample - 1
     if run.room.every_step != 0.0 or goes_on == 0:
@@ -77,22 +84,6 @@ def cut_back(
     copy(n, monitor.before, run.state_old)
 
 
-def go_on(
-    f: Function, run: Run, monitor: EventMonitor, times: Reals, t: Reals, x: Reals, breaks: Reals
-) -> int:
-    """Begin anew from the state after a cut."""
-    n = run.states
-    after = monitor.after
-    copy(n, after, run.state_old)
-    code = begin_again(f, run, times, t, x, breaks)
-    sample = run.counts.samples
-    if code == FINISHED and run.counts.samples < run.room.times:
-        t[sample] = monitor.cut
-        copy(n, after, part(x, sample * n, n))
-        run.counts.samples = run.counts.samples + 1
-    return code
-
-
 def look_behind(
     e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor, breaks: Reals, pieces: Reals,
     H: Reals,
@@ -101,30 +92,6 @@ def look_behind(
     watch_again(e, run, monitor)
     end_with_state(run, breaks, pieces)
     return look(e, a, c, monitor, breaks, pieces, H, run.counts.steps, 1)
-
-
-def advance_watched(
-    f: Function, g: Function, e: Function, a: Function, c: Function, run: Run, monitor: EventMonitor,
-    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, trials: int,
-) -> int:  # fmt: skip
-    """Try up to so many steps, and let events happen; return one of the codes of `block`.
-
-    The last functions are those of `event_watch.look`; `FULL` and `NO_EVENT_ROOM` want more room.
-    """
-    code = monitor.resumed - 1
-    monitor.resumed = 0
-    for _trial in range(trials):
-        if code < 0:
-            code = FULL
-            if run.room.every_step == 0.0 or run.counts.samples + 2 <= run.room.samples:
-                code = advance(f, g, run, times, t, x, breaks, pieces, 1)
-        code = watch_steps(e, a, c, run, monitor, t, x, breaks, pieces, H, code)
-        if code == CUT:
-            code = go_on(f, run, monitor, times, t, x, breaks)
-        if code != RUNNING:
-            return code
-        code = -1
-    return RUNNING
 
 
 def watch_steps(

@@ -9,24 +9,20 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import (
-    CUT,
-    FINISHED,
     MODE_FAULT,
-    NO_MODE_ROOM,
     RUNNING,
-    SAMPLE_FAULT,
     TOO_LONG,
     UNDECIDED,
     UNMOVABLE,
     FunctionNumbers,
     Run,
 )
-from symbody.kernels.configurations.strike_problem import RateJumps
-from symbody.kernels.configurations.struck_motion import pass_watched_jump
 from symbody.kernels.events.event_interruptions import watch_again
 from symbody.kernels.events.event_location import add_zero, compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
-from symbody.kernels.events.watched_motion import go_on
+from symbody.kernels.features import IMPLICIT, SAMPLES
+from symbody.kernels.implicit.implicit_block import ImplicitStep
+from symbody.kernels.implicit.new_starts import go_on
 from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.modes.end_of_shares import find_end_of_shares, shares_hold
 from symbody.kernels.modes.mode_switch import ModeSwitch
@@ -38,28 +34,23 @@ from symbody.kernels.modes.switch_modes import (
     SETTLED,
     find_long_rope,
     forget_modes,
-    note_rates,
     settle_modes,
     show_modes,
 )
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
-from symbody.kernels.samples.sample_hold import SampleHold
-from symbody.kernels.samples.sampled_motion import (
-    advance_unless_resumed,
-    sample_watched,
-    show_watch,
-    watch_unless_due,
-)
-from symbody.kernels.samples.sampling import is_due, show_values, take_samples
-from symbody.kernels.step_machine import begin
 
 MOST_ROWS: Final = 4  # of the record of modes that one step may take
 
 
-def show_all_modes(modes: ModeSwitch, run: Run, monitor: EventMonitor, Q: FunctionNumbers) -> None:
+def show_all_modes(
+    modes: ModeSwitch, run: Run, implicit: ImplicitStep, monitor: EventMonitor, Q: FunctionNumbers
+) -> None:
     """Write the modes among the inputs of all functions, and what is taken from watched values."""
     show_modes(modes, run.numbers)
+    if IMPLICIT != 0:
+        show_modes(modes, implicit.rate_numbers)
+        show_modes(modes, implicit.derivative_numbers)
     if exists(run.projection):
         show_modes(modes, run.projection.numbers)
     show_modes(modes, monitor.numbers)
@@ -67,7 +58,7 @@ def show_all_modes(modes: ModeSwitch, run: Run, monitor: EventMonitor, Q: Functi
         show_modes(modes, monitor.actions)
     if exists(monitor.closing):
         show_modes(modes, monitor.closing.numbers)
-    if Q.input_count > 0:
+    if SAMPLES != 0:
         show_modes(modes, Q)
     for k in range(modes.count):
         event = monitor.events[modes.first_event + k]
@@ -115,12 +106,12 @@ def run_code(code: int) -> int:
 
 
 def switch_at_cut(
-    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
-    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    f: Function, e: Function, d: Function, w: Function, run: Run, implicit: ImplicitStep,
+    monitor: EventMonitor, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals,
+    breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a cut in the modes that are decided there; return a code of `block`."""
     state = monitor.after
-    show_values(held, modes.numbers)
     note_ends(modes, monitor)
     if monitor.has_acted != 0.0:
         modes.culprit = find_long_rope(d, modes, monitor.cut, state)
@@ -129,14 +120,14 @@ def switch_at_cut(
     code = settle_modes(d, w, modes, Z, monitor.cut, state)
     if code != SETTLED:
         return run_code(code)
-    show_all_modes(modes, run, monitor, Q)
+    show_all_modes(modes, run, implicit, monitor, Q)
     if modes.changed == 0.0:
         monitor.has_acted = 0.0
-        return go_on(f, run, monitor, times, t, x, breaks)
+        return go_on(f, e, run, implicit, monitor, times, t, x, breaks)
     monitor.has_acted = 0.0
     monitor.rate_known = 0.0
     forget_ends(modes, monitor)
-    code = go_on(f, run, monitor, times, t, x, breaks)
+    code = go_on(f, e, run, implicit, monitor, times, t, x, breaks)
     for k in range(monitor.event_count):
         monitor.events[k].side = 0.0  # that of the last sample says nothing of this cut
     watch_again(e, run, monitor)
@@ -156,14 +147,14 @@ def have_ended(e: Function, d: Function, run: Run, monitor: EventMonitor, modes:
 
 
 def switch_at_sample(
-    f: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
-    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Z: Reals,
+    f: Function, e: Function, d: Function, w: Function, run: Run, implicit: ImplicitStep,
+    monitor: EventMonitor, Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals,
+    breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a sample in the modes that are decided there; return a code of `block`.
 
     Where modes are decided outside, what jumps through zero at the sample hands over in the next step.
     """
-    show_values(held, modes.numbers)
     if have_ended(e, d, run, monitor, modes) == 0:
         return RUNNING
     if monitor.hands_over != 0.0:
@@ -174,66 +165,18 @@ def switch_at_sample(
         return run_code(code)
     if modes.changed == 0.0:
         return RUNNING
-    return begin_in_modes(f, e, run, monitor, Q, modes, times, t, x, breaks)
-
-
-def begin_switching(
-    f: Function, h: Function, d: Function, w: Function, run: Run, monitor: EventMonitor, held: SampleHold,
-    Q: FunctionNumbers, modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals, Y: Reals,
-    Z: Reals,
-) -> int:  # fmt: skip
-    """Take the samples that are due where a motion begins, decide its modes, and begin it; return a code."""
-    if is_due(held, run.time) != 0:
-        if take_samples(h, Q, held, Y, run.time, run.state_old) != 0:
-            return SAMPLE_FAULT
-    show_values(held, run.numbers)
-    show_values(held, modes.numbers)
-    show_watch(monitor, held)
-    code = settle_modes(d, w, modes, Z, run.time, run.state_old)
-    if code != SETTLED:
-        return run_code(code)
-    show_all_modes(modes, run, monitor, Q)
-    return begin(f, run, times, t, x, breaks)
-
-
-def watch_switching(
-    e: Function, run: Run, monitor: EventMonitor, held: SampleHold, modes: ModeSwitch
-) -> None:
-    """Watch a motion that goes on anew, its state or its numbers changed."""
-    show_watch(monitor, held)
-    watch_again(e, run, monitor)
-    forget_ends(modes, monitor)
-
-
-def pass_switching_jump(
-    f: Function, s: Function, e: Function, d: Function, w: Function, run: Run, monitor: EventMonitor,
-    held: SampleHold, Q: FunctionNumbers, jumps: RateJumps, modes: ModeSwitch, times: Reals, t: Reals,
-    x: Reals, breaks: Reals, pieces: Reals, Z: Reals,
-) -> int:  # fmt: skip
-    """Go on behind a jump of prescribed rates as `pass_watched_jump`, in the modes that are decided there."""
-    code = pass_watched_jump(f, s, e, run, monitor, jumps, times, t, x, breaks, pieces)
-    if code != RUNNING:
-        return code
-    show_values(held, modes.numbers)
-    forget_modes(modes)
-    code = settle_modes(d, w, modes, Z, run.time, run.state_old)
-    if code != SETTLED:
-        return run_code(code)
-    code = begin_in_modes(f, e, run, monitor, Q, modes, times, t, x, breaks)
-    if code == FINISHED:
-        return RUNNING
-    return code
+    return begin_in_modes(f, e, run, implicit, monitor, Q, modes, times, t, x, breaks)
 
 
 def begin_in_modes(
-    f: Function, e: Function, run: Run, monitor: EventMonitor, Q: FunctionNumbers, modes: ModeSwitch,
-    times: Reals, t: Reals, x: Reals, breaks: Reals,
+    f: Function, e: Function, run: Run, implicit: ImplicitStep, monitor: EventMonitor, Q: FunctionNumbers,
+    modes: ModeSwitch, times: Reals, t: Reals, x: Reals, breaks: Reals,
 ) -> int:  # fmt: skip
     """Go on from the present state in other modes; return a code of `block`."""
-    show_all_modes(modes, run, monitor, Q)
+    show_all_modes(modes, run, implicit, monitor, Q)
     monitor.cut = run.time
     copy(run.states, run.state_old, monitor.after)
-    code = go_on(f, run, monitor, times, t, x, breaks)
+    code = go_on(f, e, run, implicit, monitor, times, t, x, breaks)
     watch_again(e, run, monitor)
     forget_ends(modes, monitor)
     return code
@@ -271,38 +214,3 @@ def note_end_of_shares(
     """Store when shares of efforts no longer hold in one step; see `find_end_of_shares`."""
     found[0] = find_end_of_shares(d, modes, rows, breaks, piece, modes.fitted)
     return 0
-
-
-def advance_switching(
-    f: Function, g: Function, e: Function, a: Function, c: Function, h: Function, d: Function, w: Function,
-    run: Run, monitor: EventMonitor, held: SampleHold, Q: FunctionNumbers, modes: ModeSwitch, times: Reals,
-    t: Reals, x: Reals, breaks: Reals, pieces: Reals, H: Reals, Y: Reals, Z: Reals, trials: int,
-) -> int:  # fmt: skip
-    """Try up to so many steps, take samples, let events happen and modes change; return a code of `block`.
-
-    `d` writes what decides about modes, `w` what projects speeds; see `mode_switch`.
-    """
-    for _trial in range(trials):
-        if modes.recorded + MOST_ROWS > modes.room:
-            return NO_MODE_ROOM
-        is_sample = is_due(held, run.time)
-        if is_sample != 0:
-            code = sample_watched(
-                f, e, a, c, h, run, monitor, held, Q, times, t, x, breaks, pieces, H, Y
-            )  # fmt: skip
-        else:
-            code = advance_unless_resumed(f, g, run, monitor, held, times, t, x, breaks, pieces)
-            if monitor.resumed == 0 and monitor.hands_over == 0.0:
-                watch_shares(d, run, monitor, modes, breaks, pieces)
-            monitor.resumed = 0
-            code = watch_unless_due(e, a, c, run, monitor, held, code, t, x, breaks, pieces, H)
-        note_rates(modes, run.state_old)
-        if is_sample != 0 and code == RUNNING:
-            code = switch_at_sample(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)
-        if code == CUT:
-            code = switch_at_cut(f, e, d, w, run, monitor, held, Q, modes, times, t, x, breaks, Z)
-            if code == FINISHED and is_due(held, run.time) != 0:
-                code = RUNNING
-        if code != RUNNING:
-            return code
-    return RUNNING

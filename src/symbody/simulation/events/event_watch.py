@@ -17,9 +17,8 @@ from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
-from symbody.simulation.native.description import LoopCall, Record
-from symbody.simulation.native.machine import given_steps, watched_motion
-from symbody.simulation.native.segments import HeldValues
+from symbody.simulation.native.description import Record
+from symbody.simulation.native.machine import given_steps
 
 if TYPE_CHECKING:
     from symbody.simulation.hybrid.switching import SwitchingModes
@@ -49,6 +48,8 @@ class EventWatch:
         What an event did that ended the run, in words: it happened again and again, or its action set a state
         to what is not finite. Empty if none did.
     """
+
+    feature = "EVENTS"
 
     def __init__(
         self, functions: EventFunctions, span: float, sides: Sequence[EventSide] = (),
@@ -118,7 +119,7 @@ class EventWatch:
             has_happened = place in now or (not is_left and event.just_happened != 0.0)
             value = event.g_last if is_left else 0.0
             if own.seen == 0:
-                value = event.goes_through
+                value = event.goes_through or event.side
             side = 0.0 if has_happened else float((value > 0.0) - (value < 0.0))
             was, done = (side, 0.0) if side else (event.was, event.done)
             sides.append(EventSide(side, float(has_happened), event.largest, was, done))
@@ -173,52 +174,42 @@ class EventWatch:
             self._monitor.happened_room = len(self._happened)
             arrays = map(address, (block, self._block, *places, self._happened))
             found = given_steps().process_given(*self._functions.addresses, *arrays, int(is_over))
-            if found == run_at.NO_EVENT_ROOM:
-                self._make_room()
-        if found == run_at.EVENT_FAULT:
-            self._functions.raise_fault(self._monitor.fault)
-        self._note_ending()
+            self.answer(found)
         return code if found == run_at.RUNNING else found
 
-    def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
-        """Try up to so many steps of the compiled loop, and let events happen; return the loop's code."""
-        self._prepare(call.block)
-        functions = self._functions.addresses
-        code = run_at.NO_EVENT_ROOM
-        while code == run_at.NO_EVENT_ROOM:
-            self._monitor.happened_room = len(self._happened)
-            if self.modes is not None:
-                code = self._advance_modes(self.modes, call, functions, held)
-            elif held is not None:
-                code = held.advance_watched(call, functions, self._block, self._happened)
-            else:
-                arrays = map(address, (call.block, self._block, *call.record.arrays, self._happened))
-                code = watched_motion().advance_watched(
-                    call.rhs, call.projector, *functions, *arrays, call.trials
-                )
-            if code == run_at.NO_EVENT_ROOM:
-                self._make_room()
+    @property
+    def array(self) -> Floats:
+        """See `symbody.kernels.events.event_monitor`."""
+        return self._block
+
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return the functions of events, what is watched, and where it is written down what happens."""
+        self._prepare(block)
+        self._monitor.happened_room = len(self._happened)
+        values, actions, closing = self._functions.addresses
+        return {"e": values, "a": actions, "c": closing, "monitor": self._block, "H": self._happened}
+
+    def answer(self, code: int) -> None:
+        """Make room, or raise a fault, if the code of a loop asks for it; note what ended the motion."""
+        if code == run_at.NO_EVENT_ROOM:
+            self._make_room()
         if code == run_at.EVENT_FAULT:
             self._functions.raise_fault(self._monitor.fault)
+        if self.modes is not None:
+            self.ending = self.modes.ending_note(code, self.actor) or self.ending
         self._note_ending()
-        return code
 
-    def _advance_modes(
-        self, modes: SwitchingModes, call: LoopCall, functions: tuple[int, ...], held: HeldValues | None
-    ) -> int:
-        """Try up to so many steps along which modes change."""
-        if held is not None:
-            held.show_watch(self._block)
-        code = modes.advance(call, functions, self._block, self._happened, held)
-        self.ending = modes.ending_note(code, self.actor) or self.ending
-        return code
+    @property
+    def hands_over(self) -> bool:
+        """Whether the motion ends where modes are to be decided, and goes on outside."""
+        return self._monitor.hands_over != 0.0
 
     def break_off(self, block: Floats, record: Record) -> None:
         """End an interrupted run at the event that would have changed it, if one was computed."""
         self._prepare(block)
         _, *places = record.arrays
         arrays = (block, self._block, *places, self._happened)
-        watched_motion().break_off(*self._functions.addresses, *map(address, arrays))
+        given_steps().break_off(*self._functions.addresses, *map(address, arrays))
 
     def _prepare(self, block: Floats) -> None:
         """Fit the block to a run of the compiled loop."""

@@ -13,7 +13,7 @@ import math
 from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,9 @@ from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, SymbolKind
 from symbody.expr.rewrite import symbols_of
 from symbody.graph.linear_graph import Edge, breadth_first
+from symbody.kernels.configurations.strike_problem import RateJump
 from symbody.model.declarations.element_fields import Connection
 from symbody.model.naming import GROUND
-from symbody.simulation.native.strikes import Strike
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import AT_REST
 
@@ -85,8 +85,34 @@ def jump_notes(jumps: Sequence[tuple[float, float]]) -> Iterator[str]:
         yield f"{len(jumps) - _MOST_NOTES} more jumps of prescribed rates until t = {jumps[-1][0]:.9g} s"
 
 
-def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
-    """Return when prescribed rates jump in a span, in its order, and how far beside it sides are clear.
+class PlannedJumps(NamedTuple):
+    """When prescribed rates jump along a motion [s], in its order, and how far beside it sides are clear."""
+
+    times: tuple[float, ...] = ()
+    margin: float = 0.0
+
+    def part(self, span: tuple[float, float]) -> PlannedJumps:
+        """Return those that a part of the motion passes."""
+        low, high = (-t for t in span) if span[1] < span[0] else span
+        way = 1.0 if span[1] >= span[0] else -1.0
+        return PlannedJumps(tuple(t for t in self.times if low < way * t <= high), self.margin)
+
+    def rows(self, span: tuple[float, float]) -> Floats:
+        """Return the rows of a `RateJump` for each."""
+        way = 1.0 if span[1] >= span[0] else -1.0
+        rows = np.zeros((len(self.times), RateJump.size))
+        for k, t in enumerate(self.times):
+            before = max(t - way * self.margin, span[0], key=lambda time: way * time)
+            behind = min(t + way * self.margin, span[1], key=lambda time: way * time)
+            rows[k, :3] = before, t if way > 0.0 else math.nextafter(t, -math.inf), behind
+        return rows
+
+
+NO_JUMPS: Final = PlannedJumps()
+
+
+def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> PlannedJumps:
+    """Return when prescribed rates jump in a span.
 
     A jump is the first time at which formulas have the values of later times: motions forward pass it where
     they come to it, motions backward where they leave it. So one that goes on from an end misses none.
@@ -99,7 +125,7 @@ def jump_times(problem: SimulationProblem, x: Floats, span: tuple[float, float])
     (start, end) = span
     times, margin = _jumps(problem, x, (start, end))
     low, high = min(span), max(span)
-    return [t for t in times if low < t <= high], margin
+    return PlannedJumps(tuple(t for t in times if low < t <= high), margin)
 
 
 def _jumps(problem: SimulationProblem, x: Floats, span: tuple[float, float]) -> tuple[list[float], float]:
@@ -268,29 +294,9 @@ def neglect_note(formed: EquationsOfMotion) -> Iterator[str]:
         )
 
 
-def pass_jump(problem: SimulationProblem, before: float, behind: float, x: Floats) -> tuple[Floats, float]:
-    """Return the state behind a jump of prescribed rates, and by how much the energy has risen [J].
-
-    Raises
-    ------
-    UsageError
-        If a position jumps.
-    SimulationError
-        If no speeds fit the rates.
-    """
-    strike = Strike(problem)
-    if strike.find_momenta(before, behind, x) is None:
-        raise torn_constraint(problem.eqs, strike.block.torn - 1, behind)
-    moved = x.copy()
-    if problem.eqs.speed_names and not strike.change_speeds(moved):
-        raise no_speeds(behind)
-    return moved, strike.energy_gained(behind, moved)
-
-
-def strikes(problem: SimulationProblem, change: Floats) -> bool:
-    """Return whether a change of the state is one of a speed, and not of its rounding."""
-    least = _TORN * min(1.0, problem.scales.length) / problem.scales.time
-    return bool(np.abs(change).max(initial=0.0) > least)
+def strikes(problem: SimulationProblem, change: float) -> bool:
+    """Return whether the largest change of a state is one of a speed, and not of its rounding."""
+    return change > _TORN * min(1.0, problem.scales.length) / problem.scales.time
 
 
 def no_speeds(t: float) -> SimulationError:

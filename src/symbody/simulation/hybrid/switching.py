@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -37,7 +36,6 @@ from symbody.kernels.modes.mode_problem import HOLDS, LOOSE, ModeElement, ModePr
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
 from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.pack import pack
-from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.events.events import ModeEnd
 from symbody.simulation.hybrid.mode_record import ModeRecord, modal_elements
 from symbody.simulation.hybrid.rate_jumps import struck_friction
@@ -46,8 +44,7 @@ from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import PROJECTED
 from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import NO_TABLES, LoopCall, RightHandSide
-from symbody.simulation.native.segments import HeldValues
+from symbody.simulation.native.description import NO_TABLES
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 from symbody.simulation.status import Status
 from symbody.single_flight import once
@@ -67,9 +64,6 @@ _UNDETERMINED: Final = MappingProxyType(
 )
 _STUCK: Final = "no speeds were found that keep the ropes taut"
 _SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
-NO_SAMPLES: Final = pack(SampleHold, next=sys.float_info.max)
-_NOTHING: Final = np.zeros(0)
-NO_NUMBERS: Final = function_numbers(RightHandSide(0, 0, _NOTHING, _NOTHING, _NOTHING, 0))
 
 
 class DeadEndError(Exception):
@@ -115,6 +109,8 @@ class SwitchingModes:
     ends : tuple of Event
         What ends modes, in the order of the elements.
     """
+
+    feature = "MODES"
 
     def __init__(self, problem: SimulationProblem) -> None:
         eqs = problem.eqs
@@ -312,28 +308,16 @@ class SwitchingModes:
             element.ended = float(ended == self.switch.first_event + k + 1)
         return bool(ended)
 
-    def advance(
-        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats,
-        held: HeldValues | None,
-    ) -> int:  # fmt: skip
-        """Try up to so many steps of the compiled loop; return a code of `symbody.kernels.block`."""
-        sampling = _Sampling(held)
-        code = run_at.NO_MODE_ROOM
-        while code in (run_at.NO_MODE_ROOM, run_at.NO_SAMPLE_ROOM):
-            self._make_room()
-            own = self._decides, self._functions[1].address
-            places = (
-                call.block, watch, *sampling.arrays, self._block, *call.record.arrays, happened,
-                sampling.rows, self.record.rows,
-            )  # fmt: skip
-            code = _kernel("advance_switching")(
-                call.rhs, call.projector, *functions, sampling.address, *own, *map(address, places),
-                call.trials,
-            )  # fmt: skip
-            sampling.make_room(code)
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return the functions that decide and project, the modes, and their record."""
+        self._make_room()
+        projecting = self._functions[1].address
+        return {"d": self._decides, "w": projecting, "modes": self._block, "Z": self.record.rows}
+
+    def answer(self, code: int) -> None:
+        """Raise a fault if the code of a loop says so; room is made before each call."""
         if code == run_at.MODE_FAULT:
             self.raise_fault()
-        return int(code)
 
     def _make_room(self) -> None:
         if self.switch.recorded + 4 > len(self.record.rows):
@@ -445,25 +429,6 @@ def _size(function: CompiledFunction) -> int:
     return sum(len(output.values) for output in function.outputs)
 
 
-class _Sampling:
-    """What takes samples in the loop, or nothing."""
-
-    def __init__(self, held: HeldValues | None) -> None:
-        self._held = held
-        self.address = 0 if held is None else held.address
-        self.arrays = (NO_SAMPLES.copy(), NO_NUMBERS) if held is None else held.arrays
-
-    @property
-    def rows(self) -> Floats:
-        """Where samples are written down."""
-        return np.zeros(1) if self._held is None else self._held.rows
-
-    def make_room(self, code: int) -> None:
-        """Grow, or raise a fault, by the code of a loop."""
-        if self._held is not None:
-            self._held.make_room(code)
-
-
 def loose_modes(modal: ModalEquations) -> dict[str, HeldLaw]:
     """Return laws of the modes by which nothing holds."""
     return {name: HeldLaw(_Loose(), name) for name in modal.modes}
@@ -525,7 +490,6 @@ def _library() -> Mapping[str, Callable[..., int]]:
     kinds: dict[str, list[Any]] = {
         "settle_modes": [*[_POINTER] * 4, real, _POINTER],
         "find_long_rope": [_POINTER, _POINTER, real, _POINTER],
-        "advance_switching": [*[_POINTER] * 21, integer],
         "note_end_of_shares": [*[_POINTER] * 2, integer, *[_POINTER] * 3],
     }
     addresses = load_kernels("switching_motion", tuple(kinds), light=True)

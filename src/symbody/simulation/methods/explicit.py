@@ -15,6 +15,7 @@ from symbody.arguments import checked_fields
 from symbody.errors import Problem, UsageError
 from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
@@ -114,6 +115,7 @@ def integrate(
     breakpoints: Breakpoints = NO_BREAKPOINTS,
     held: HeldValues | None = None,
     make_run: RunMaker | None = None,
+    jumps: PassedJumps | None = None,
 ) -> RawRun:
     """Integrate ``x' = f(t, x)``, x = (u, q), f given by its address; t_span [s] may run backwards.
 
@@ -130,8 +132,9 @@ def integrate(
         more vectors a step; whether to stop with `Status.STIFF` when stability limits the steps.
     progress : callable, optional
         Called now and then with the share of the span that is done; returning False ends the run.
-    projector, watch, breakpoints, held : Projector, Watch, Breakpoints, HeldValues
-        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs.
+    projector, watch, breakpoints, held, jumps : Projector, Watch, Breakpoints, HeldValues, PassedJumps
+        Bring states back onto the constraints; may cut runs that are `dense`; bound steps; change inputs, and
+        speeds.
 
     Raises
     ------
@@ -144,19 +147,20 @@ def integrate(
     goal = goal._replace(max_trials=int(max_steps), stop_when_stiff=bool(stop_when_stiff))
     r, p, c = (np.array(group, dtype=np.float64).ravel() for group in (inputs, parameters, constants))
     rhs = RightHandSide(int(address), int(n_u), r, p, c, work_size, tables)
-    new = partial(_new_run, method, goal, x, start, held)
+    new = partial(_new_run, method, goal, x, start, held, jumps)
     run = new(rhs, projector) if make_run is None else make_run(rhs, new)
     more = 0 if watch is None else EVENT_SAMPLES
-    return run_loop(run, fresh_record(run, check_times(times, start, end), dense, more), progress, watch)
+    record = fresh_record(run, check_times(times, start, end), dense, more)
+    return run_loop(run, record, progress, watch)
 
 
 def _new_run(
     method: Explicit | FixedStep, goal: Goal, x: Floats, t: float, held: HeldValues | None,
-    rhs: RightHandSide, projector: Projector,
+    jumps: PassedJumps | None, rhs: RightHandSide, projector: Projector,
 ) -> NativeRun:  # fmt: skip
     """Return a run at its start."""
     block = make_block(rhs, projector, method.tableau, goal, x, t, float(method.first_step or 0.0))
-    return NativeRun(rhs.address, projector.address, block, held)
+    return NativeRun(rhs.address, projector.address, block, held, jumps)
 
 
 def make_goal(

@@ -95,8 +95,7 @@ def integrate_motion(motion: Motion) -> Integration:
 
 def takes_steps_compiled(motion: Motion) -> bool:
     """Return whether the loop computes a motion in which events act and modes change."""
-    implicit = isinstance(motion.integrator, Stiff | GeneralizedAlpha)
-    return not (implicit or isinstance(motion.constraints, GGL | Partition))
+    return not (isinstance(motion.integrator, Stiff) or isinstance(motion.constraints, GGL | Partition))
 
 
 def _fitting_constraints(motion: Motion) -> Constraints:
@@ -236,6 +235,7 @@ def run_explicit(
         breakpoints=motion.breakpoints,
         held=None if problem.sampler is None else SampledLoop(problem, problem.sampler),
         make_run=None if charts is None else charts.start,
+        jumps=motion.passed_jumps(watch),
     )
     if charts is not None:
         with charts.interruptible():

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from symbody.codegen.call_arguments import address
 from symbody.kernels import block as at
 from symbody.kernels.block import Run
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import given_steps, step_machine
@@ -92,15 +93,16 @@ class StepEnds:
 
     block: Floats
 
-    def __call__(self, t: float) -> tuple[float, float, float]:
-        """Return from where to where the longest step at a time leads, and at which time it counts as ended.
+    def __call__(self, t: float, end: float) -> tuple[float, float, float]:
+        """Return from where to where the longest step to an end leads, and at which time it counts as ended.
 
         A step begins behind a jump that lies at its time, and ends before one.
         """
         ends = np.zeros(3)
+        Run(self.block).t_end = end
         step_machine().longest_step(address(self.block), t, address(ends))
-        start, stop, end = ends.tolist()
-        return start, stop, end
+        start, stop, said = ends.tolist()
+        return start, stop, said
 
 
 class StepwiseIntegrator(Protocol):
@@ -111,8 +113,8 @@ class StepwiseIntegrator(Protocol):
         """How often the right-hand side was computed so far."""
         ...
 
-    def advance(self) -> Step | Failure:
-        """Take one step, not beyond the end."""
+    def advance(self, end: float) -> Step | Failure:
+        """Take one step, not beyond an end."""
         ...
 
     def restart(self, t: float, x: Floats) -> None:
@@ -136,6 +138,8 @@ class Course:
         From times (N,) and states (N, n) to the power (N,) [W].
     before : RawRun or None
         A run that was broken off where this one starts; the result contains it.
+    jumps : PassedJumps or None
+        Passes jumps of prescribed rates.
     """
 
     block: Floats
@@ -144,6 +148,7 @@ class Course:
     progress: Progress | None
     power: Power
     before: RawRun | None = None
+    jumps: PassedJumps | None = None
 
 
 def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> RawRun:
@@ -152,7 +157,7 @@ def march(stepper: StepwiseIntegrator, course: Course, watch: Watch | None) -> R
     record = fresh_record(run, course.times, True, 0 if watch is None else EVENT_SAMPLES)
     raw = run_loop(
         run, record if course.before is None else _continue_record(course, record), course.progress, watch
-    )
+    )  # fmt: skip
     spent = replace(raw.statistics, rejected=None, evaluations=stepper.evaluations)
     if course.before is not None:
         first = course.before.statistics
@@ -187,7 +192,7 @@ class SteppedRun:
     """The run of an integrator that takes one step at a call; see `native.run.CompiledRun`."""
 
     def __init__(self, stepper: StepwiseIntegrator, course: Course) -> None:
-        self.block = course.block
+        self.block, self.jumps = course.block, course.jumps
         self._stepper, self._course = stepper, course
         self._is_continued = course.before is not None
 
@@ -209,12 +214,29 @@ class SteppedRun:
             if watch is not None:
                 code = watch.process(self.block, record, code)
             if code == at.RESTARTED:
-                run = Run(self.block)
-                self._stepper.restart(run.time, state_of(self.block)[:-1].copy())
-                code = begin_again(self, record)
+                code = self._begin_anew(record)
+            if code == at.FINISHED and self.jumps is not None and self.jumps.is_due:
+                code = self._pass_jump(record, watch, self.jumps)
             if code != at.RUNNING:
                 break
         return code
+
+    def _pass_jump(self, record: Record, watch: Watch | None, jumps: PassedJumps) -> int:
+        """Go on behind a jump of prescribed rates; return a code of `symbody.kernels.block`."""
+        if Run(self.block).counts.steps == len(record.pieces):
+            return at.FULL  # behind the steps there has to be room for one more
+        if watch is not None:
+            jumps.note_values(watch, self.block)
+        jumps.strike(self.block, record)
+        code = self._begin_anew(record)
+        if watch is not None:
+            jumps.watch_behind(watch, self.block, record)
+        return at.RUNNING if code == at.FINISHED else code  # events may be due there
+
+    def _begin_anew(self, record: Record) -> int:
+        """Go on from another state; return a code of `symbody.kernels.block`."""
+        self._stepper.restart(Run(self.block).time, state_of(self.block)[:-1].copy())
+        return begin_again(self, record)
 
     def _take_step(self, record: Record) -> int:
         """Take one step and write it down; return a code of `symbody.kernels.block`."""
@@ -227,7 +249,7 @@ class SteppedRun:
             return at.FULL
         if counts.accepted >= run.goal.max_trials:
             return at.TOO_MANY
-        step = self._stepper.advance()
+        step = self._stepper.advance(run.t_end)
         if isinstance(step, Failure):
             return self._fail(step)
         if not np.isfinite(step.nodes).all():

@@ -125,23 +125,3 @@ class Record(NamedTuple):
     def arrays(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
         """The arrays, in the order in which the compiled loop takes them."""
         return self.wanted, self.t, self.x, self.breaks, self.pieces
-
-
-class LoopCall(NamedTuple):
-    """One call of the compiled loop, which tries up to so many steps.
-
-    Attributes
-    ----------
-    rhs, projector : int
-        The addresses of the functions; 0 if nothing is projected.
-    block : array
-        See `symbody.kernels.block`.
-    trials : int
-        How many steps may be tried.
-    """
-
-    rhs: int
-    projector: int
-    block: Floats
-    record: Record
-    trials: int

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 from symbody.codegen.call_arguments import address
 from symbody.codegen.llvm.kernel_library import load_kernels
-from symbody.kernels import block as at
-from symbody.kernels.block import Run
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.pack import pack
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Floats, Record, RightHandSide
-from symbody.simulation.native.run import EVENT_SAMPLES, begin_again, show_room
+from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.native.runge_kutta import Tableau
-from symbody.simulation.native.segments import Watch
 from symbody.single_flight import once
 
 _POINTER: Final = ctypes.c_void_p
@@ -55,21 +51,11 @@ class ImplicitFunctions(NamedTuple):
     derivatives: RightHandSide
 
 
-class _Machine(NamedTuple):
-    """The kernels as functions of addresses; none holds the interpreter's lock."""
-
-    begin_implicit: Callable[..., int]
-    advance_implicit: Callable[..., int]
-
-
 @once
-def implicit_machine() -> _Machine:
-    """Return the integrator, ready to be called."""
-    names = _Machine._fields
-    places = load_kernels("implicit_machine", names)
-    begin = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 7)
-    advance = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 11, _INTEGER)
-    return _Machine(begin(places[names[0]]), advance(places[names[1]]))
+def begin_implicit() -> Callable[..., int]:
+    """Return `kernels.implicit.implicit_machine.begin_implicit`, ready to be called."""
+    place = load_kernels("implicit_machine", ("begin_implicit",), light=True)["begin_implicit"]
+    return ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 7)(place)
 
 
 def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float, *, one_length: bool) -> Floats:
@@ -86,50 +72,30 @@ def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float, *, on
     )  # fmt: skip
 
 
-class ImplicitRun(NamedTuple):
-    """All arguments of the integrator but the record.
+class ImplicitPart:
+    """Implicit steps in the compiled loop; see `native.segments.LoopPart`.
 
-    Attributes
+    Parameters
     ----------
     functions : ImplicitFunctions
         The compiled functions.
-    projector : int
-        The address of what closes the constraints; 0 if nothing does.
-    block, array : arrays
-        See `symbody.kernels.block` and `symbody.kernels.implicit.implicit_block`.
+    array : array
+        See `symbody.kernels.implicit.implicit_block`.
     """
 
-    functions: ImplicitFunctions
-    projector: int
-    block: Floats
-    array: Floats
+    feature = "IMPLICIT"
 
-    def begin(self, record: Record) -> int:
+    def __init__(self, functions: ImplicitFunctions, array: Floats) -> None:
+        self._functions, self.array = functions, array
+
+    def begin(self, rhs: int, block: Floats, places: Sequence[Floats]) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
-        show_room(self.block, record)
-        places = (self.block, self.array, record.wanted, record.t, record.x, record.breaks)
-        return implicit_machine().begin_implicit(self.functions.slopes.address, *map(address, places))
+        return begin_implicit()(rhs, address(block), address(self.array), *map(address, places))
 
-    def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
-        """Try up to so many steps; return a code of `symbody.kernels.block`."""
-        show_room(self.block, record)
-        if watch is None:
-            return self._advance(record, trials)
-        code = at.RUNNING
-        for _ in range(trials):
-            is_full = record.every_step and Run(self.block).counts.samples + EVENT_SAMPLES > record.t.size
-            code = watch.process(self.block, record, at.FULL if is_full else self._advance(record, 1))
-            if code == at.RESTARTED:
-                run = Run(self.block)
-                run.after_rejection, run.counts.failed_kernel = 0.0, 0
-                code = begin_again(self, record)
-            if code != at.RUNNING:
-                break
-        return code
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return functions and numbers of implicit steps."""
+        _, turns, derivatives = (function.address for function in self._functions)
+        return {"k": turns, "j": derivatives, "implicit": self.array}
 
-    def _advance(self, record: Record, trials: int) -> int:
-        places = (self.block, self.array, *record.arrays)
-        slopes, turns, derivatives = (function.address for function in self.functions)
-        return implicit_machine().advance_implicit(
-            slopes, turns, derivatives, self.projector, *map(address, places), trials
-        )
+    def answer(self, code: int) -> None:
+        """Do nothing: it wants no room."""

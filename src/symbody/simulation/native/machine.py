@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from functools import cache
 from typing import Any, Final, NamedTuple
 
 from symbody.codegen.llvm.kernel_library import load_kernels
@@ -15,21 +16,22 @@ _REAL: Final = ctypes.c_double
 _RECORD: Final = [_POINTER] * 5  # times, t, x, breaks, pieces
 
 # Results and arguments, f and g and the block first.
-# Functions of events, the blocks of run and watch, the record, what happens.
-_WATCHED: Final = [*[_POINTER] * 7, *_RECORD, _POINTER, _INTEGER]
+# What `advance_motion` takes, in this order; behind it how many steps.
+LOOP: Final = (
+    "f", "k", "j", "g", "e", "a", "c", "h", "s", "d", "w", "run", "implicit", "monitor", "held", "Q", "jumps",
+    "modes", "times", "t", "x", "breaks", "pieces", "H", "Y", "Z",
+)  # fmt: skip
 
 _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "begin": (_INTEGER, [_POINTER, _POINTER, *_RECORD[:4]]),
     "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
-    "advance_watched": (_INTEGER, _WATCHED),
+    "advance_motion": (_INTEGER, [*[_POINTER] * len(LOOP), _INTEGER]),
     "break_off": (_INTEGER, [_POINTER] * 10),
     "begin_given": (_INTEGER, [_POINTER, *_RECORD[:4]]),
     "keep_given": (None, [_POINTER, _POINTER, *_RECORD, _REAL]),
     "process_given": (_INTEGER, [*[_POINTER] * 10, _INTEGER]),
     "project": (_REAL, [_POINTER, _POINTER, _REAL, _POINTER]),
     "longest_step": (None, [_POINTER, _REAL, _POINTER]),
-    "advance_sampled": (_INTEGER, [*[_POINTER] * 6, *_RECORD, _POINTER, _INTEGER]),
-    "advance_sampled_watched": (_INTEGER, [*[_POINTER] * 10, *_RECORD, _POINTER, _POINTER, _INTEGER]),
     "take_samples": (_INTEGER, [*[_POINTER] * 4, _REAL, _POINTER]),
     "show_values": (None, [_POINTER, _POINTER]),
     "is_due": (_INTEGER, [_POINTER, _REAL]),
@@ -38,7 +40,7 @@ _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
         [
             *[_POINTER] * 9,
             _INTEGER,
-            *[_POINTER] * 4,
+            *[_POINTER] * 2,
             _INTEGER,
             _POINTER,
             *[_INTEGER] * 2,
@@ -63,19 +65,13 @@ class StepMachine(NamedTuple):
     longest_step: Callable[..., None]
 
 
-class WatchedMotion(NamedTuple):
-    """The kernels of one motion with events."""
-
-    advance_watched: Callable[..., int]
-    break_off: Callable[..., int]
-
-
 class GivenSteps(NamedTuple):
     """The kernels of steps that others take."""
 
     begin_given: Callable[..., int]
     keep_given: Callable[..., None]
     process_given: Callable[..., int]
+    break_off: Callable[..., int]
 
 
 class SampleKernels(NamedTuple):
@@ -86,28 +82,17 @@ class SampleKernels(NamedTuple):
     is_due: Callable[..., int]
 
 
-@once
-def advance_sampled() -> Callable[..., int]:
-    """Return the integrator of one motion with held values, ready to be called."""
-    return _functions("sampled_motion", "advance_sampled", light=True)[0]
-
-
-@once
-def advance_sampled_watched() -> Callable[..., int]:
-    """Return the integrator of one motion with held values and events, ready to be called."""
-    return _functions("sampled_motion", "advance_sampled_watched")[0]
+@cache
+def advance_motion(features: frozenset[str]) -> Callable[..., int]:
+    """Return the loop of motions that have something, see `symbody.kernels.features`, ready to be called."""
+    light = "EVENTS" not in features or bool(features & {"MODES", "JUMPS", "IMPLICIT"})
+    return _functions("motion_loop", "advance_motion", light=light, features=features)[0]
 
 
 @once
 def sample_kernels() -> SampleKernels:
     """Return what takes samples, ready to be called."""
     return SampleKernels(*_functions("sampling", *SampleKernels._fields, light=True))
-
-
-@once
-def watched_motion() -> WatchedMotion:
-    """Return the integrator of one motion with events, ready to be called."""
-    return WatchedMotion(*_functions("watched_motion", *WatchedMotion._fields))
 
 
 @once
@@ -123,10 +108,10 @@ def step_machine() -> StepMachine:
     return StepMachine(*_functions("step_machine", *StepMachine._fields, light=True))
 
 
-@once
-def many_motions() -> Callable[..., int]:
-    """Return `run_cases`, ready to be called."""
-    return _functions("many_motions", "run_cases", light=True)[0]
+@cache
+def many_motions(features: frozenset[str]) -> Callable[..., int]:
+    """Return `run_cases` for motions that have something, ready to be called."""
+    return _functions("many_motions", "run_cases", light=True, features=features)[0]
 
 
 @once
@@ -135,8 +120,10 @@ def lane_motions() -> Callable[..., int]:
     return _functions("lane_motions", "run_lanes")[0]
 
 
-def _functions(module: str, *names: str, light: bool = False) -> list[Callable[..., Any]]:
-    addresses = load_kernels(module, names, light=light)
+def _functions(
+    module: str, *names: str, light: bool = False, features: Collection[str] | None = None
+) -> list[Callable[..., Any]]:
+    addresses = load_kernels(module, names, light=light, features=features)
     kinds = [
         ctypes.CFUNCTYPE(result, *arguments) for result, arguments in map(_SIGNATURES.__getitem__, names)
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,10 +16,14 @@ from symbody.kernels.block import Run
 from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Floats, LoopCall, Record
-from symbody.simulation.native.machine import step_machine
+from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.machine import LOOP, advance_motion, step_machine
 from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
+
+if TYPE_CHECKING:
+    from symbody.simulation.hybrid.passed_jumps import PassedJumps
+    from symbody.simulation.native.implicit import ImplicitPart
 
 Progress = Callable[[float], bool | None]
 
@@ -29,6 +33,7 @@ SLICE_SECONDS: Final = 0.05
 FIRST_CAPACITY: Final = 256
 # Samples that an event may add to those of given times: the states before and after.
 EVENT_SAMPLES: Final = 2
+_NO_ROOM: Final = (at.NO_EVENT_ROOM, at.NO_SAMPLE_ROOM, at.NO_MODE_ROOM)
 # Where the system does not tell its memory [bytes].
 ASSUMED_MEMORY: Final = 8 * 2**30
 
@@ -89,6 +94,8 @@ class RawRun:
         After `Status.SINGULAR`: which kernel of the right-hand side failed, from 0.
     dense_output : DenseOutput or None
         The motion between the samples.
+    jumps : tuple
+        When prescribed rates have changed speeds [s], and by how much the energy [J].
     """
 
     t: Floats
@@ -99,6 +106,7 @@ class RawRun:
     state: int | None
     kernel: int | None
     dense_output: DenseOutput | None
+    jumps: tuple[tuple[float, float], ...] = ()
 
     @property
     def reach(self) -> str:
@@ -134,12 +142,18 @@ class NativeRun(NamedTuple):
         See `symbody.kernels.block`.
     held : HeldValues or None
         Takes samples on the way.
+    jumps : PassedJumps or None
+        Passes jumps of prescribed rates.
+    implicit : ImplicitPart or None
+        Takes implicit steps.
     """
 
     rhs: int
     projector: int
     block: Floats
     held: HeldValues | None = None
+    jumps: PassedJumps | None = None
+    implicit: ImplicitPart | None = None
 
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
@@ -147,7 +161,10 @@ class NativeRun(NamedTuple):
         if self.held is not None:
             self.held.begin(self.block)
         places = (record.wanted, record.t, record.x, record.breaks)
-        code = step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        if self.implicit is None:
+            code = step_machine().begin(self.rhs, address(self.block), *map(address, places))
+        else:
+            code = self.implicit.begin(self.rhs, self.block, places)
         if code == at.FINISHED and self.held is not None:  # a sample may still be due
             return at.RUNNING
         return int(code)
@@ -155,14 +172,30 @@ class NativeRun(NamedTuple):
     def advance(self, record: Record, trials: int, watch: Watch | None = None) -> int:
         """Try up to so many steps; return a code of `symbody.kernels.block`."""
         show_room(self.block, record)
-        call = LoopCall(self.rhs, self.projector, self.block, record, trials)
-        if watch is not None:
-            return watch.advance(call, self.held)
-        if self.held is not None:
-            return self.held.advance(call)
-        return step_machine().advance(
-            self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
-        )
+        modes = None if watch is None else watch.modes
+        parts = [part for part in (watch, modes, self.held, self.jumps, self.implicit) if part is not None]
+        if not parts:
+            return step_machine().advance(
+                self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
+            )
+        if watch is not None and self.held is not None:
+            self.held.show_watch(watch.array)
+        loop = advance_motion(frozenset(part.feature for part in parts))
+        own: dict[str, int | Floats] = {"f": self.rhs, "g": self.projector, "run": self.block}
+        own |= dict(zip(("times", "t", "x", "breaks", "pieces"), record.arrays, strict=True))
+        code = at.NO_EVENT_ROOM
+        while code in _NO_ROOM:
+            for part in parts:
+                own |= part.arguments(self.block)
+            code = loop(*[_place(own.get(name, 0)) for name in LOOP], trials)
+            for part in parts:
+                part.answer(code)
+        return code
+
+
+def _place(argument: int | Floats) -> int:
+    """Return where a function or an array lies."""
+    return argument if isinstance(argument, int) else address(argument)
 
 
 class CompiledRun(Protocol):
@@ -171,6 +204,11 @@ class CompiledRun(Protocol):
     @property
     def block(self) -> Floats:
         """See `symbody.kernels.block`."""
+        ...
+
+    @property
+    def jumps(self) -> PassedJumps | None:
+        """Passes jumps of prescribed rates."""
         ...
 
     def begin(self, record: Record) -> int:
@@ -240,19 +278,19 @@ def run_loop(
     """Run the loop to its end, in slices; Ctrl-C ends it between two of them and keeps what there is."""
     status: Status | None = None
     clock = [0.0]
-    start = Run(run.block).time
+    span = _limit_run(run)
     budget = FIRST_SLICE
     code = at.RUNNING
     try:
         code = run.begin(record)
-        if code == at.FINISHED and watch is not None:  # events and samples may still be due there
+        if code == at.FINISHED and (watch is not None or run.jumps is not None):  # more may be due there
             code = at.RUNNING
         while code in (at.RUNNING, at.FULL):
             if code == at.FULL:
                 record = _grow(record, run.block)
             code, budget = _slice(run, record, budget, watch, clock)
             if code in (at.RUNNING, at.FULL):
-                status = None if _report_progress(run, start, progress) else Status.INTERRUPTED
+                status = None if _report_progress(run, span, progress) else Status.INTERRUPTED
             if status is not None:
                 break
     except KeyboardInterrupt:
@@ -262,6 +300,15 @@ def run_loop(
     if watch is not None and status in (Status.INTERRUPTED, Status.OUT_OF_MEMORY):
         watch.break_off(run.block, record)
     return _raw_run(run, record, VERDICTS[code] if status is None else status, clock[0])
+
+
+def _limit_run(run: CompiledRun) -> tuple[float, float]:
+    """Let a run end just before the first jump; return when the whole motion begins and ends [s]."""
+    own = Run(run.block)
+    if run.jumps is None:
+        return own.time, own.t_end
+    run.jumps.limit_run(run.block)
+    return own.time, run.jumps.t_end
 
 
 def begin_again(run: CompiledRun, record: Record) -> int:
@@ -294,9 +341,8 @@ def _next_budget(budget: int, spent: float) -> int:
     return 4 * budget if spent < 0.25 * SLICE_SECONDS else budget
 
 
-def _report_progress(run: CompiledRun, start: float, progress: Progress | None) -> bool:
-    now = Run(run.block)
-    share = (now.time - start) / (now.t_end - start)
+def _report_progress(run: CompiledRun, span: tuple[float, float], progress: Progress | None) -> bool:
+    share = (Run(run.block).time - span[0]) / (span[1] - span[0])
     return progress is None or progress(share) is not False
 
 
@@ -342,12 +388,14 @@ def _raw_run(run: CompiledRun, record: Record, status: Status, seconds: float) -
         counts.blamed_state if blamed else None,
         counts.failed_kernel - 1 if is_singular else None,
         _dense_output(run, record, steps) if record.keep_dense else None,
+        () if run.jumps is None else run.jumps.impulses,
     )
 
 
 def _dense_output(run: CompiledRun, record: Record, steps: int) -> DenseOutput:
-    if steps:
-        return DenseOutput(record.breaks[: steps + 1].copy(), record.pieces[:steps].copy())
+    breaks, pieces = record.breaks[: steps + 1].copy(), record.pieces[:steps].copy()
+    if steps and not (run.jumps is not None and run.jumps.has_just_passed(run.block)):
+        return DenseOutput(breaks, pieces)
     piece = np.zeros((1, *record.pieces.shape[1:]))  # no step: the state stays what it was at this one time
-    piece[0, 0] = state_of(run.block)
-    return DenseOutput(np.full(2, Run(run.block).time), piece)
+    piece[0, 0], t = state_of(run.block), Run(run.block).time
+    return DenseOutput(np.append(breaks if steps else t, t), np.concatenate([pieces, piece]))

@@ -2,59 +2,57 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
 
-from symbody.simulation.native.description import Floats, LoopCall, Record
+from symbody.simulation.native.description import Floats, Record
 
 
-class HeldValues(Protocol):
-    """Takes the samples of values that are held in between, in the compiled loop."""
+class LoopPart(Protocol):
+    """Something that happens on the way of a motion in the compiled loop.
 
-    @property
-    def address(self) -> int:
-        """Where the function of new values lies."""
+    Attributes
+    ----------
+    feature : str
+        Its name in `symbody.kernels.features`.
+    """
+
+    feature: str
+
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return addresses of functions, and arrays, by the names of `kernels.motion_loop.advance_motion`."""
         ...
 
-    @property
-    def arrays(self) -> tuple[Floats, Floats]:
-        """The block of the held values, and the numbers of their function."""
+    def answer(self, code: int) -> None:
+        """Make room, or raise a fault, if the code of a loop asks for it."""
         ...
 
-    @property
-    def rows(self) -> Floats:
-        """Where samples are written down."""
-        ...
+
+class HeldValues(LoopPart, Protocol):
+    """Takes the samples of values that are held in between."""
 
     def show_watch(self, watch: Floats) -> None:
         """Show the functions of events all values."""
-        ...
-
-    def make_room(self, code: int) -> None:
-        """Make room for as many more samples, or raise a fault, if the code of a loop asks for it."""
         ...
 
     def begin(self, block: Floats) -> None:
         """Go back to where a motion begins, and show the right-hand side all values."""
         ...
 
-    def advance(self, call: LoopCall) -> int:
-        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+
+class Watch(LoopPart, Protocol):
+    """Lets events happen."""
+
+    @property
+    def array(self) -> Floats:
+        """See `symbody.kernels.events.event_monitor`."""
         ...
 
-    def advance_watched(
-        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats
-    ) -> int:
-        """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`."""
-        ...
-
-
-class Watch(Protocol):
-    """Lets events happen in the compiled loop."""
-
-    def advance(self, call: LoopCall, held: HeldValues | None = None) -> int:
-        """Try up to so many steps; return a code of `symbody.kernels.block`."""
+    @property
+    def modes(self) -> LoopPart | None:
+        """Decides the modes that some events end."""
         ...
 
     def process(self, block: Floats, record: Record, code: int) -> int:

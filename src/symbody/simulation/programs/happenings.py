@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.solving.modal_equations import ModalEquations
-from symbody.errors import Problem, UsageError
 from symbody.kernels.block import FunctionNumbers, Run
-from symbody.kernels.configurations.strike_problem import RateJumps
+from symbody.kernels.configurations.strike_problem import RateJump, RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.pack import pack
 from symbody.kernels.record_layout import exists
-from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.events.event_functions import (
     action_outputs,
     check_action_shapes,
@@ -95,60 +94,29 @@ class Happenings:
 
     @property
     def kinds(self) -> frozenset[str]:
-        """Which of events, samples, jumps and modes there are; with modes there may be events and samples."""
+        """Which of events, samples, jumps and modes there are; with modes there are events."""
         found = {"events": self.monitor, "samples": self.hold, "jumps": self.jumps, "modes": self.modes}
         return frozenset(kind for kind, array in found.items() if array.size)
 
     @property
-    def kernels(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """The kernels that compute such a motion, by their files."""
-        kinds = self.kinds
-        if "modes" in kinds:
-            names = ("begin_switching", "advance_switching", "watch_switching", "pass_switching_jump")
-            rows = ("forget_rows", "rewind_modes", "forget_modes")
-            return (
-                ("switching_motion", names[: 3 + ("jumps" in kinds)]), ("switch_modes", rows),
-                ("event_interruptions", ("forget_steps",)),
-            )  # fmt: skip
-        watched = "watched_motion" if "events" in kinds else "step_machine"
-        showing = ["show_watch"] * ({"events", "samples"} <= kinds)
-        file = "sampled_motion" if "samples" in kinds else watched
-        if self.implicit.size:
-            file = "implicit_motion" if {"events", "jumps"} & kinds else "implicit_machine"
-        files = [(file, (self.first_kernel, self.loop_kernel, *showing))]
+    def features(self) -> frozenset[str]:
+        """What the motion has, see `symbody.kernels.features`."""
+        implicit = ("IMPLICIT",) if self.implicit.size else ()
+        return frozenset((*map(str.upper, self.kinds), *implicit))
+
+    @property
+    def kernels(self) -> Mapping[str, KernelTree]:
+        """The kernels that compute such a motion."""
+        kinds, found = self.kinds, dict(self.loop_kernels("begin_motion", "advance_motion"))
         if "events" in kinds:
-            files.append(("event_interruptions", ("forget_steps",)))
-        if "jumps" in kinds:
-            files.append((file if self.implicit.size else "struck_motion", (self.jump_kernel,)))
-        return tuple(files)
-
-    @property
-    def first_kernel(self) -> str:
-        """The kernel with which a motion begins."""
-        if "modes" in self.kinds:
-            return "begin_switching"
-        if self.implicit.size:
-            return "begin_implicit"
-        return "begin_sampled" if "samples" in self.kinds else "begin"
-
-    @property
-    def loop_kernel(self) -> str:
-        """The kernel that tries steps."""
-        kinds = self.kinds
+            found |= read_kernels("event_interruptions", "forget_steps")
         if "modes" in kinds:
-            return "advance_switching"
-        words = ["advance", *["implicit"] * bool(self.implicit.size)]
-        words += [*["sampled"] * ("samples" in kinds), *["watched"] * ("events" in kinds)]
-        return "_".join(words)
+            found |= read_kernels("switch_modes", "forget_rows", "rewind_modes", "forget_modes")
+        return found
 
-    @property
-    def jump_kernel(self) -> str:
-        """The kernel that goes on behind a jump."""
-        if "modes" in self.kinds:
-            return "pass_switching_jump"
-        if self.implicit.size:
-            return "pass_implicit_watched_jump" if self.events else "pass_implicit_jump"
-        return "pass_watched_jump" if self.events else "pass_jump_of_rates"
+    def loop_kernels(self, *names: str) -> Mapping[str, KernelTree]:
+        """Return kernels of `motion_loop` for what the motion has, with those that they call."""
+        return read_kernels("motion_loop", *names, features=self.features)
 
     @property
     def steps(self) -> int:
@@ -173,8 +141,6 @@ def make_happenings(
     closing : ProgramFunction, optional
         What closes states of the whole mechanism; by default it is made where events act.
     """
-    if implicit.size:
-        check_implicit(motion)
     functions = _event_functions(motion, closing) if motion.events else {}
     monitor = _monitor(motion, functions, block) if functions else _NOTHING
     hold, sampling = _NOTHING, _NOTHING
@@ -186,33 +152,12 @@ def make_happenings(
     modes = _NOTHING
     if motion.modal is not None:
         modes = _modes(motion, motion.modal, functions, monitor)
-        if not motion.held:
-            hold, sampling = _no_samples(), function_numbers(functions[EVENTS].numbers)
     jumps = _jumps(motion, functions, block)
     events = motion.request.events
     return Happenings(
         events, motion.events[len(events) :], motion.held, functions, monitor, hold, sampling, jumps, modes,
         implicit,
     )  # fmt: skip
-
-
-def check_implicit(motion: PosedMotion) -> None:
-    """Refuse what steps of an implicit method do not stop at in a program.
-
-    Raises
-    ------
-    UsageError
-        If signals are sampled, joints stick or ropes go slack.
-    """
-    held = [f"{value.name} is sampled" for value in motion.held]
-    modes = [] if motion.modal is None else [f"the mode of {name} changes" for name in motion.modal.names]
-    if held or modes:
-        raise UsageError(
-            Problem("simulation.program", motion.eqs.model.name,
-                    f"sb.GeneralizedAlpha(..) does not compute this in a program: {'; '.join(held + modes)}",
-                    "its steps do not stop there",
-                    "use sb.Explicit() or sb.FixedStep(..), or an FMU, which takes modes")
-        )  # fmt: skip
 
 
 def _modes(
@@ -236,11 +181,6 @@ def _modes(
     switch.first_event = len(motion.request.events)
     search.mode_count, search.first_mode = switch.count, first
     return made
-
-
-def _no_samples() -> Floats:
-    """Return the array of a `SampleHold` without values."""
-    return pack(SampleHold, next=sys.float_info.max, room=STEPS)
 
 
 def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> dict[str, ProgramFunction]:
@@ -298,8 +238,8 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     """Return the array of `RateJumps` of a motion, and let it end just before the first one."""
     start, last = motion.span[0], motion.last
     problem = motion.integration.problem
-    times, margin = jump_times(problem, motion.integration.state, (start, last))
-    if not times:
+    jumps = jump_times(problem, motion.integration.state, (start, last))
+    if not jumps.times:
         return _NOTHING
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
@@ -307,10 +247,6 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     if motion.modal is not None:  # friction is finite, and ropes strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
-    way, run = Run(block).goal.direction, Run(block)
-    before = [max(t - way * margin, start, key=lambda time: way * time) for t in times]
-    behind = [min(t + way * margin, last, key=lambda time: way * time) for t in times]
-    run.t_end = before[0]
-    return pack(
-        RateJumps, count=len(times), t_end=last, times=np.column_stack([before, behind]), problem=strikes
-    )
+    rows = jumps.rows((start, last))
+    Run(block).t_end = RateJump(rows.ravel()).before
+    return pack(RateJumps, count=len(rows), t_end=last, jumps=rows, problem=strikes)

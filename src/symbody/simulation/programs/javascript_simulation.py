@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.codegen.kernels.dialect import PREFIX
+from symbody.codegen.kernels.featured import without_unused
 from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
-from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels import block as codes
 from symbody.kernels.block import FunctionNumbers, Run, StateProjection
@@ -189,13 +189,12 @@ def javascript_simulation(
     if happens.steps:
         Run(block).room.steps = happens.steps
     functions |= happens.functions
-    kernels: dict[str, KernelTree] = {}
-    for file, roots in (
-        *happens.kernels,
-        *_KERNELS,
-        *(_ANEW[kind] for kind in sorted(happens.kinds) if kind in _ANEW),
-    ):
+    kernels = dict(happens.kernels)
+    if "events" in happens.kinds:
+        kernels |= happens.loop_kernels("watch_anew")
+    for file, roots in (*_KERNELS, *(_ANEW[kind] for kind in sorted(happens.kinds) if kind in _ANEW)):
         kernels |= read_kernels(file, *roots)
+    kernels = without_unused(kernels)
     for function in functions.values():
         kernels |= function.kernels
     numbers = _numbers(motion, functions, view, spring, happens)
@@ -231,20 +230,18 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
     projection = PROJECTION if PROJECTION in functions else RIGHT_HAND_SIDE
     made = kernel_calls(happens, projection, "assembly", "m.{}, 0", 1)
     kinds = happens.kinds
-    show = [made["SHOW"]] * ({"events", "samples"} <= kinds and "modes" not in kinds)
     entries = {
         "begin": [made["BEGIN"]],
         "advance": [made["ADVANCE"]],
         "forget": [made["FORGET"]] * ("events" in kinds),
         "note": [made["NOTE"]] * ("events" in kinds),
-        "watch": [*show, *[made["WATCH"]] * ("events" in kinds)],
+        "watch": [made["WATCH"]] * ("events" in kinds),
         "rewindEvents": [made["REWIND_EVENTS"]] * ("events" in kinds),
         "rewindSamples": [made["REWIND_SAMPLES"]] * ("samples" in kinds),
         "bound": [made["BOUND"]] * ("jumps" in kinds),
-        "forgetRows": [made.get("FORGET_ROWS", "")] * ("modes" in kinds),
-        "rewindModes": [made.get("REWIND_MODES", "")] * ("modes" in kinds),
-        "forgetModes": [made.get("FORGET_MODES", "")] * ("modes" in kinds),
-        "pass": [made["PASS"]] * ("jumps" in kinds),
+        "forgetRows": [made["FORGET_ROWS"]] * ("modes" in kinds),
+        "rewindModes": [made["REWIND_MODES"]] * ("modes" in kinds),
+        "forgetModes": [made["FORGET_MODES"]] * ("modes" in kinds),
     }
     lines = [f"{name}: (m, time) => ({', '.join(calls)})," for name, calls in entries.items() if calls]
     return "const kernels = {\n    " + "\n    ".join(lines) + "\n};"

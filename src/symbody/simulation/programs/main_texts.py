@@ -18,7 +18,6 @@ from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import Type
 from symbody.kernels import block
 from symbody.kernels.block import Run
-from symbody.kernels.configurations.strike_problem import RateJumps
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.programs.happenings import CLOSING, STEPS
@@ -71,8 +70,7 @@ def _read(file: str) -> str:
     """Return what stands behind the kernels.
 
     Lines that begin with "%events ", "%samples ", "%jumps " belong to motions with such, "%eventless " to
-    those without events, "%show " to those with events and samples, "%switching " to those
-    with modes, "%implicit " to those by an implicit method.
+    those without events, "%switching " to those with modes, "%implicit " to those by an implicit method.
     """
     return "\n" + (files(__package__) / file).read_text(encoding="utf-8")
 
@@ -120,8 +118,6 @@ def program_text(motion: PreparedMotion, language: ProgramLanguage, title: str) 
     kinds = {*happens.kinds}
     if "modes" in kinds:
         kinds.add("switching")
-    elif {"events", "samples"} <= kinds:
-        kinds.add("show")
     kinds.add("" if "events" in kinds else "eventless")
     kinds.add("implicit" if happens.implicit.size else "")
     main = _lines_of(language.main, kinds)
@@ -161,7 +157,6 @@ def _sizes(motion: PreparedMotion) -> dict[str, str]:
         "DECIDED": STEPS * (3 + len(happens.ends) + len(motion.names)), "EVENT_COUNT": count,
         "ROOM_PLACE": EventMonitor.layout["happened_room"], "HAPPENED_PLACE": EventMonitor.layout["happened"],
         "CULPRIT_PLACE": EventMonitor.layout["culprit"], "RECORDED_PLACE": SampleHold.layout["recorded"],
-        "NEXT_PLACE": RateJumps.layout["next"], "JUMPS_PLACE": RateJumps.layout["count"],
         **{name: getattr(block, name) for name in codes},
     }  # fmt: skip
     return {name: str(number) for name, number in numbers.items()}

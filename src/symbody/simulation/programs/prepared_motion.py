@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from symbody.codegen.kernels.reader import read_kernels
+from symbody.codegen.kernels.featured import without_unused
 from symbody.codegen.kernels.tree import KernelTree
 from symbody.equations.equation_set import EquationSet
 from symbody.kernels.block import Run
@@ -142,9 +142,7 @@ def prepare_motion(motion: PosedMotion) -> PreparedMotion:
     functions = motion_functions(motion)
     block = motion_block(motion, functions)
     happenings = make_happenings(motion, block, implicit_array(motion, functions))
-    kernels: dict[str, KernelTree] = {}
-    for file, names in happenings.kernels:
-        kernels |= read_kernels(file, *names)
+    kernels = without_unused(happenings.kernels)
     for function in (functions | dict(happenings.functions)).values():
         kernels |= function.kernels
     times = np.asarray(motion.integration.times, dtype=np.float64)

@@ -36,7 +36,6 @@ static int simulate(int *samples)
 %switching     for (k = 0; k < @MODES_SIZE@; k++) modes[k] = first_modes[k];
 %implicit     for (k = 0; k < @IMPLICIT_SIZE@; k++) implicit[k] = first_implicit[k];
     code = @BEGIN@;
-%show     @SHOW@;
     for (;;) {
         if (code == @RUNNING@)
             code = @ADVANCE@;
@@ -44,8 +43,6 @@ static int simulate(int *samples)
 %events         else if (code == @NO_EVENT_ROOM@) { make_room(); code = @RUNNING@; }
 %samples         else if (code == @NO_SAMPLE_ROOM@) { held[@RECORDED_PLACE@] = 0.0; code = @RUNNING@; }
 %switching         else if (code == @NO_MODE_ROOM@) { @FORGET_ROWS@; code = @RUNNING@; }
-%jumps         else if (code == @FINISHED@ && jumps[@NEXT_PLACE@] != jumps[@JUMPS_PLACE@])
-%jumps             code = @PASS@;
         else break;
     }
     *samples = (int)block[@COUNT_PLACE@];

@@ -20,7 +20,6 @@ function simulate() {
 %switching     const modes = Float64Array.from(@MODES@), decided = new Float64Array(@DECIDED@);
     places.forEach((place, k) => { block[place] = values[k]; });
     let code = @BEGIN@;
-%show     @SHOW@;
     for (;;) {
         if (code === @RUNNING@)
             code = @ADVANCE@;
@@ -34,8 +33,6 @@ function simulate() {
 %events         }
 %samples         else if (code === @NO_SAMPLE_ROOM@) { held[@RECORDED_PLACE@] = 0; code = @RUNNING@; }
 %switching         else if (code === @NO_MODE_ROOM@) { @FORGET_ROWS@; code = @RUNNING@; }
-%jumps         else if (code === @FINISHED@ && jumps[@NEXT_PLACE@] !== jumps[@JUMPS_PLACE@])
-%jumps             code = @PASS@;
         else break;
     }
     const rows = [];

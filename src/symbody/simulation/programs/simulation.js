@@ -121,7 +121,6 @@ function makeSimulation() {
         else if (code === codes.NO_EVENT_ROOM) makeRoom(2 * monitor[at.monitor.happened_room]);
         else if (code === codes.NO_SAMPLE_ROOM) forgetSamples();
         else if (code === codes.NO_MODE_ROOM) forgetModeRows();
-        else if (code === codes.FINISHED && jumps !== null) code = kernels.pass(m);
         if (!numbers.isFixed && block[at.run["counts.accepted"]] !== accepted) block[at.run.first_step] = Math.abs(block[at.run.step]);
     }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,8 @@ from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.record_layout import exists
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import LoopCall, RightHandSide
-from symbody.simulation.native.machine import (
-    advance_sampled,
-    advance_sampled_watched,
-    sample_kernels,
-)
+from symbody.simulation.native.description import RightHandSide
+from symbody.simulation.native.machine import sample_kernels
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 
@@ -51,6 +47,8 @@ class SampledLoop:
     UsageError
         If it is not a number but a vector or matrix.
     """
+
+    feature = "SAMPLES"
 
     def __init__(self, problem: SimulationProblem, sampler: Sampler) -> None:
         self.sampler = sampler
@@ -93,48 +91,10 @@ class SampledLoop:
         """Set other inputs of the function of new values."""
         np.asarray(FunctionNumbers(self._numbers).inputs)[slots] = values
 
-    def advance(self, call: LoopCall) -> int:
-        """Try up to so many steps; return a code of `symbody.kernels.block`."""
-        code = run_at.NO_SAMPLE_ROOM
-        while code == run_at.NO_SAMPLE_ROOM:
-            own = self.sampler.block, self._numbers
-            arrays = map(address, (call.block, *own, *call.record.arrays, self.sampler.record))
-            code = advance_sampled()(call.rhs, call.projector, self.address, *arrays, call.trials)
-            self.make_room(code)
-        return code
-
-    def advance_watched(
-        self, call: LoopCall, functions: tuple[int, ...], watch: Floats, happened: Floats
-    ) -> int:
-        """Try up to so many steps, and let events happen; return a code of `symbody.kernels.block`.
-
-        Parameters
-        ----------
-        functions : (3,) int
-            Those of `kernels.event_watch.look`.
-        watch : array
-            See `symbody.kernels.events.event_monitor`.
-        """
-        self.show_watch(watch)
-        code = run_at.NO_SAMPLE_ROOM
-        while code == run_at.NO_SAMPLE_ROOM:
-            own = self.sampler.block, self._numbers
-            places = (call.block, watch, *own, *call.record.arrays, happened, self.sampler.record)
-            code = advance_sampled_watched()(
-                call.rhs, call.projector, *functions, self.address, *map(address, places), call.trials
-            )
-            self.make_room(code)
-        return code
-
-    @property
-    def arrays(self) -> tuple[Floats, Floats]:
-        """The block of the held values, and the numbers of their function."""
-        return self.sampler.block, self._numbers
-
-    @property
-    def rows(self) -> Floats:
-        """Where samples are written down."""
-        return self.sampler.record
+    def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
+        """Return the function, values, its numbers, and where samples are written down."""
+        sampler = self.sampler
+        return {"h": self.address, "held": sampler.block, "Q": self._numbers, "Y": sampler.record}
 
     def show_watch(self, watch: Floats) -> None:
         """Show the functions of events all values."""
@@ -143,7 +103,7 @@ class SampledLoop:
             if exists(numbers):
                 sample_kernels().show_values(address(self.sampler.block), address(numbers.array))
 
-    def make_room(self, code: int) -> None:
+    def answer(self, code: int) -> None:
         """Make room for as many more samples, or raise a fault, if the code of a loop asks for it."""
         if code == run_at.NO_SAMPLE_ROOM:
             self.sampler.grow()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,8 @@ from symbody.kernels.record_layout import exists
 from symbody.simulation.events.event_functions import EventFunctions
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import EventSide
-from symbody.simulation.hybrid.rate_jumps import jump_times, may_jump, pass_jump
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
+from symbody.simulation.hybrid.rate_jumps import NO_JUMPS, PlannedJumps, jump_times, may_jump
 from symbody.simulation.hybrid.switching import DeadEndError, SwitchingModes, check_strike, switching_modes
 from symbody.simulation.methods.constraints import Projection, residual_share
 from symbody.simulation.native.blocks import state_of
@@ -34,17 +35,6 @@ Floats = NDArray[np.float64]
 
 # What steps return that did not simply come to their end.
 OTHERWISE: Final = -1
-
-
-class _Jumps(NamedTuple):
-    """When prescribed rates jump, how far beside it sides are clear, and until when that is known [s]."""
-
-    times: Sequence[float]
-    margin: float
-    until: float
-
-
-_NO_JUMPS: Final = _Jumps((), 0.0, -math.inf)
 
 
 def no_sides(problem: StepProblem) -> tuple[EventSide, ...]:
@@ -90,7 +80,7 @@ class HybridSteps(CompiledSteps):
         self._sampler = problem.sampler()
         moving = problem.with_samples(self._sampler)
         self._posed = moving
-        self._jumps = _NO_JUMPS
+        self._jumps, self._jumps_until = NO_JUMPS, -math.inf
         self._modes = switching_modes(moving)
         self._undecided = None if self._modes is None else self._modes.snapshot()
         super().__init__(problem, numbers, moving if self._modes is None else self._modes.problem)
@@ -185,18 +175,15 @@ class HybridSteps(CompiledSteps):
         jumps = self._find_jumps(start)
         self._dead_end, self._ending, self.occurrences = None, "", ()
         end = numbers.next_end()
+        planned = jumps.part((start, end))
+        if planned.times and self._modes is not None:
+            check_strike(self._problem.settings.moving.formed, planned.times[0])
         if self._sampler is not None:
             self._sampler.begin_anew()
         if self._modes is not None:
             self._modes.record.begin_anew()
         try:
-            for jump in (t for t in jumps.times if start < t <= end):
-                self._run_to(max(jump - jumps.margin, start))
-                if self._last is None or self._last.status is not Status.SUCCESS:
-                    break
-                self._jump(min(jump + jumps.margin, end))
-            else:
-                self._run_to(end)
+            self._run_to(end, planned)
         except DeadEndError as dead_end:
             self._dead_end = Ending(dead_end.status, f"at t = {dead_end.t:.9g} s {dead_end.why}")
             numbers.arrive(Run(self._block).time, state_of(self._block), at_end=False)
@@ -211,34 +198,22 @@ class HybridSteps(CompiledSteps):
         numbers.arrive(Run(self._block).time, state_of(self._block), at_end=arrived)
         return at.FINISHED if arrived else OTHERWISE
 
-    def _find_jumps(self, t: float) -> _Jumps:
+    def _find_jumps(self, t: float) -> PlannedJumps:
         """Return the jumps of prescribed rates in the window, or in this step if a position jumps later."""
         eqs, x = self._problem.settings.moving, self._numbers.x[:-1]
         if not eqs.plans.get("may jump", lambda: may_jump(eqs)):
-            return _NO_JUMPS
-        if self._jumps.until != self._window_end:
+            return NO_JUMPS
+        if self._jumps_until != self._window_end:
             span = t, self._window_end
             with suppress(UsageError):
-                self._jumps = _Jumps(*jump_times(self._posed.with_other_times(), x, span), span[1])
-            if self._jumps.until != self._window_end:
+                self._jumps = jump_times(self._posed.with_other_times(), x, span)
+                self._jumps_until = span[1]
+            if self._jumps_until != self._window_end:
                 span = t, t + float(self._numbers.array[stepping.DURATION])
-                return _Jumps(*jump_times(self._posed.with_other_times(), x, span), span[1])
+                return jump_times(self._posed.with_other_times(), x, span)
         return self._jumps
 
-    def _jump(self, behind: float) -> None:
-        """Go on behind a jump of prescribed rates, before which the motion stands."""
-        run, state = Run(self._block), state_of(self._block)
-        if self._modes is not None:
-            check_strike(self._problem.settings.moving.formed, behind)
-            self._modes.release()
-            self._modes.forget()
-        moved, gained = pass_jump(self.motion_problem, run.time, behind, state[:-1].copy())
-        state[:-1] = moved
-        state[-1] += gained
-        run.time = behind
-        run.step = run.first_step = 0.0
-
-    def _run_to(self, end: float) -> None:
+    def _run_to(self, end: float, planned: PlannedJumps) -> None:
         """Run the loop to a time, and take note of what happened."""
         self._begin()
         watch = None
@@ -246,7 +221,7 @@ class HybridSteps(CompiledSteps):
             span = float(self._numbers.array[stepping.DURATION])
             watch = EventWatch(self._functions, span, self._sides, self._modes)
         with python_laws(self._laws):
-            raw = self._last = self._run(end, watch)
+            raw = self._last = self._run(end, watch, planned)
         if watch is not None:
             self.occurrences += watch.occurrences
             self._ending = watch.ending
@@ -275,7 +250,7 @@ class HybridSteps(CompiledSteps):
         if exists(run.projection):
             np.asarray(run.projection.numbers.inputs)[:] = inputs
 
-    def _run(self, end: float, watch: EventWatch | None) -> RawRun:
+    def _run(self, end: float, watch: EventWatch | None, planned: PlannedJumps) -> RawRun:
         """Run the loop to a time, beginning with the step that the last run would have taken."""
         block = self._block
         motion = Run(block)
@@ -287,7 +262,10 @@ class HybridSteps(CompiledSteps):
             end,
             max(motion.step, motion.first_step),
         )
-        run = NativeRun(self._right_hand_side, self._projector.address, block, self._samples)
+        jumps = None
+        if planned.times:
+            jumps = PassedJumps(self.motion_problem, planned, (motion.time, end), self._modes)
+        run = NativeRun(self._right_hand_side, self._projector.address, block, self._samples, jumps)
         record = fresh_record(run, np.array([end]), dense=True, more=EVENT_SAMPLES)
         raw = run_loop(run, record, None, watch)
         was_cut = counts.accepted > 1 or counts.rejected > 0 or raw.status is not Status.SUCCESS

@@ -24,7 +24,6 @@ from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.kernels.modes.mode_switch import DECIDED, SHOCK, ModeSwitch
 from symbody.simulation.events.event_watch import chattering_note, value_notes
 from symbody.simulation.hybrid.mode_record import mode_changes, shock_notes
-from symbody.simulation.hybrid.switching import NO_NUMBERS, NO_SAMPLES
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints, search_ahead
 from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.methods.explicit import make_goal
@@ -115,7 +114,6 @@ class _CaseLoop:
         self._looks = np.zeros((count, loop_at.LOOK_EVENTS + loop_at.LOOK_SIZE * monitor.event_count))
         known = [records.codes, records.reached, records.counts]
         self._verdicts = np.column_stack(known).astype(np.float64)
-        self._held = NO_SAMPLES.copy()
         self._addresses = [0 if function is None else function.address for function in job.functions]
         self._wide = job.derivative.in_lanes() if self._in_lanes else None
         if self._wide is not None:
@@ -138,12 +136,13 @@ class _CaseLoop:
         EventMonitor(self._watch).happened_room = len(self._happened)
         ModeSwitch(self._modes).room = len(self._decisions)
         watch, modes = job.happens.watch, job.happens.modes
+        kinds = ["EVENTS"] * self._is_watched + ["MODES"] * bool(ModeSwitch(modes).count)
         places += [self._x, self._samples, self._verdicts, self._breaks, self._pieces, self._happened]
         places += [self._looks, self._decisions]
         return partial(
-            many_motions(), *self._addresses, address(self._block), address(self._watch), watch.size,
-            address(watch), address(self._held), address(NO_NUMBERS), address(self._modes), modes.size,
-            address(modes), *self._rows.shape, *map(address, places),
+            many_motions(frozenset(kinds)), *self._addresses, address(self._block), address(self._watch),
+            watch.size, address(watch), address(self._modes), modes.size, address(modes), *self._rows.shape,
+            *map(address, places),
         )  # fmt: skip
 
     def advance(self) -> int:

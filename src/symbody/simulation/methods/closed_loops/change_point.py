@@ -109,9 +109,7 @@ def change_point_note(notes: Iterable[str]) -> str:
 
 def samples_on_the_way(motion: Motion) -> bool:
     """Return whether the method of a motion takes the samples of signals inside its loop."""
-    return not isinstance(motion.integrator, Stiff | GeneralizedAlpha) and not isinstance(
-        motion.constraints, GGL
-    )
+    return not isinstance(motion.integrator, Stiff) and not isinstance(motion.constraints, GGL)
 
 
 def integrate_on_branch(motion: Motion) -> Integration:
@@ -201,7 +199,7 @@ def _with_step_notes(run: Integration, motion: Motion) -> Integration:
     step = motion.integrator.step if isinstance(motion.integrator, FixedStep | GeneralizedAlpha) else None
     if step is None:
         return run
-    notes = unresolved_pose_notes(motion.problem, run.raw, step)
+    notes = unresolved_pose_notes(motion.permanent_problem, run.raw, step)
     return run._replace(notes=(*run.notes, *notes))
 
 
@@ -271,7 +269,7 @@ def _end_of_branch(
     raw, _, watch = run
     problem, t, x = motion.permanent_problem, motion.span[0], motion.state
     if passages is not None:
-        happened = [] if watch is None else [event.t for event in watch.occurrences]
+        happened = [t for t, _ in raw.jumps] + [event.t for event in (watch.occurrences if watch else ())]
         for at in passages.times():
             before = passages.jump(at, happened)
             if before is not None:

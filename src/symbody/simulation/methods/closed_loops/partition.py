@@ -30,6 +30,7 @@ from symbody.kernels.block import Run
 from symbody.kernels.configurations.chart_record import Chart
 from symbody.kernels.pack import pack
 from symbody.kernels.step_bounds import EPSILON
+from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.inputs.native_callback import NativeCallback
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR
@@ -150,6 +151,11 @@ class ChartRun:
     def block(self) -> Floats:
         """See `symbody.kernels.block`."""
         return self._native.block
+
+    @property
+    def jumps(self) -> PassedJumps | None:
+        """See `native.run.CompiledRun`."""
+        return self._native.jumps
 
     def interruptible(self) -> AbstractContextManager[None]:
         """Let Ctrl-C end the loop from within."""

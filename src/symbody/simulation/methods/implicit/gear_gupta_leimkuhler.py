@@ -101,7 +101,7 @@ def run_ggl(motion: Motion, method: Stiff, events: EventWatch | None) -> tuple[R
         solver, begin, lambda t, x: (x, False), watch, motion.state, motion.span,
         motion.step_ends(SHARE_OF_PIECE),
     )  # fmt: skip
-    return march(stepper, motion.course(), events), notes
+    return march(stepper, motion.course(None, events), events), notes
 
 
 def _with_rows(eqs: EquationSet, names: Collection[str]) -> EquationSet:

@@ -33,10 +33,11 @@ from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.native.implicit import (
     METHOD,
     ImplicitFunctions,
-    ImplicitRun,
+    ImplicitPart,
     make_array,
 )
-from symbody.simulation.native.run import EVENT_SAMPLES, RawRun, fresh_record, run_loop
+from symbody.simulation.native.run import EVENT_SAMPLES, NativeRun, RawRun, fresh_record, run_loop
+from symbody.simulation.sampling.sampled_loop import SampledLoop
 
 Floats = NDArray[np.float64]
 Notes = tuple[str, ...]
@@ -126,8 +127,6 @@ def run_generalized_alpha(
 ) -> tuple[RawRun, Notes]:
     """Return the run of the compiled loop, and what to note about it.
 
-    Where events are watched, it returns to Python after each step.
-
     Raises
     ------
     SimulationError
@@ -137,6 +136,9 @@ def run_generalized_alpha(
     compiled = _compile_functions(motion)
     with _with_laws(compiled, laws) as addresses:
         run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
+        sampler = motion.problem.sampler
+        held = None if sampler is None else SampledLoop(motion.problem, sampler)
+        run = run._replace(held=held, jumps=motion.passed_jumps(watch))
         record = fresh_record(run, _times(motion), True, 0 if watch is None else EVENT_SAMPLES)
         raw = run_loop(run, record, motion.progress, watch)
     return raw, (method.note,)
@@ -173,7 +175,7 @@ def _make_run(
     addresses: Sequence[int],
     compiled: Sequence[CompiledFunction],
     work_tolerance: float,
-) -> ImplicitRun:
+) -> NativeRun:
     """Return the run at its start."""
     laws, n_u = motion.problem.laws, motion.n_u
     inputs, tables = laws.held_now(), laws.table_numbers()
@@ -194,7 +196,8 @@ def _make_run(
     )  # fmt: skip
     n_q = len(motion.eqs.coordinate_names)
     array = make_array(functions, motion.x0.size, n_q, float(method.rho), one_length=method.step is not None)
-    return ImplicitRun(functions, 0 if closing is None else closing.projector.address, block, array)
+    projecting = 0 if closing is None else closing.projector.address
+    return NativeRun(functions.slopes.address, projecting, block, implicit=ImplicitPart(functions, array))
 
 
 def _projector(closing: StateProjector | None, method: GeneralizedAlpha) -> Projector:

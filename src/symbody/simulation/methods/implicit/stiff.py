@@ -136,7 +136,7 @@ def run_stiff(
         solver, solver.init_step, _Settling(closing, constraints), watch, motion.state, motion.span,
         motion.step_ends(SHARE_OF_PIECE), solved,
     )  # fmt: skip
-    return march(stepper, motion.course(closing), events)
+    return march(stepper, motion.course(closing, events), events)
 
 
 class _Settling:

@@ -156,9 +156,10 @@ class SundialsStepper:
         """How often the equations were evaluated."""
         return self._watch.evaluations
 
-    def advance(self) -> Step | Failure:
-        """Take one step; the state inside it is the solver's own polynomial."""
-        begin, stop, end = self._ends(self._t)
+    def advance(self, end: float) -> Step | Failure:
+        """Take one step, not beyond an end; the state inside it is the solver's own polynomial."""
+        self._end = end
+        begin, stop, said = self._ends(self._t, end)
         self._is_fresh |= begin != self._t
         was_fresh = self._is_fresh
         step = self._try_step()
@@ -168,8 +169,8 @@ class SundialsStepper:
             return step
         nodes = step.nodes
         nodes[-1], self._is_fresh = self._settled(step.t, nodes[-1])
-        is_there = abs(step.t - stop) <= 0.5 * abs(end - stop)  # but for the solver's rounding
-        self._x, self._t = nodes[-1], end if is_there else step.t
+        is_there = abs(step.t - stop) <= 0.5 * abs(said - stop)  # but for the solver's rounding
+        self._x, self._t = nodes[-1], said if is_there else step.t
         self._watch.accept()
         return Step(self._t, nodes)
 
@@ -185,7 +186,7 @@ class SundialsStepper:
 
     def _try_step(self) -> Step | Failure:
         """Take one step and return it as the solver found it."""
-        begin, stop, _ = self._ends(self._t)
+        begin, stop, _ = self._ends(self._t, self._end)
         if self._is_fresh:
             call_quietly(partial(self._begin, begin, self._x))
             self._is_fresh = False

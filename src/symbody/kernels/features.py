@@ -1,0 +1,9 @@
+"""What a motion has: 1 or 0, as the text of its kernels is made, so that what it lacks is left out."""
+
+from typing import Final
+
+EVENTS: Final[int] = 1  # values that are searched for zeros, the ends of modes among them
+IMPLICIT: Final[int] = 1  # steps by the generalized-alpha method, else by an explicit one
+JUMPS: Final[int] = 1  # of prescribed rates
+MODES: Final[int] = 1  # of joints that stick and slip, and of ropes
+SAMPLES: Final[int] = 1  # of values that are held in between
