@@ -23,8 +23,8 @@ from symbody.kernels.configurations.strike_problem import StrikeProblem
 from symbody.kernels.events import event_monitor
 from symbody.kernels.events.event_monitor import EventMonitor, MonitoredEvent
 from symbody.kernels.implicit.implicit_block import ImplicitStep
+from symbody.kernels.modes.mode_state import SETTLED
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
-from symbody.kernels.modes.switch_modes import SETTLED
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 
@@ -50,10 +50,8 @@ _EVENT_KERNELS: Final = (
     ("noted_events", ("look_at_sides", "note_events", "note_start", "process_noted")),
 )
 _MODE_KERNELS: Final = (
-    (
-        "switch_modes",
-        ("settle_modes", "show_modes", "forget_modes", "note_rates", "find_long_rope", "slight_value"),
-    ),
+    ("mode_state", ("show_modes", "forget_modes", "note_rates")),
+    ("switch_modes", ("settle_modes", "find_long_rope", "slight_value")),
     ("end_of_shares", ("shares_hold",)),
     ("switching_motion", ("note_ends", "forget_ends", "watch_shares")),
 )

@@ -38,8 +38,9 @@ from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.implicit_machine import advance_implicit, set_out
 from symbody.kernels.implicit.new_starts import begin_anew, go_on
 from symbody.kernels.language import Function, Reals
+from symbody.kernels.modes.mode_state import SETTLED, forget_modes, note_rates
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.switch_modes import SETTLED, forget_modes, note_rates, settle_modes
+from symbody.kernels.modes.switch_modes import settle_modes
 from symbody.kernels.modes.switching_motion import (
     forget_ends,
     run_code,

@@ -184,11 +184,7 @@ class Model(Displayed):
             "held_initial": draft.initial.held,
             "bodies": draft.bodies,
             "joints": draft.joints,
-            "constraints": tuple(
-                e
-                for e in placed
-                if isinstance(e, ConstraintElement) or (isinstance(e, Contact) and e.is_rigid)
-            ),
+            "constraints": tuple(e for e in placed if is_constraint(e)),
             "signals": tuple(s for s in signals if not s.is_held),
             "held_signals": tuple(s for s in signals if s.is_held),
             "tables": tuple(e for e in placed if isinstance(e, Lookup)),
@@ -275,6 +271,11 @@ def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = Non
         Take the place of the model's values; what depends on them follows.
     """
     return resolve(model.parameters, overrides or {})
+
+
+def is_constraint(element: Element) -> bool:
+    """Return whether an element makes equations beside those of the joints: rigid contacts do, too."""
+    return isinstance(element, ConstraintElement) or (isinstance(element, Contact) and element.is_rigid)
 
 
 def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str] = ()) -> list[Problem]:

@@ -59,7 +59,8 @@ def contact_friction(names: Names, kinematics: Kinematics, contact: Contact) -> 
             yield FrictionLaw(
                 name=f"{element} {letter}",
                 element=element,
-                owner=contact,
+                friction=friction,
+                joint=None,
                 rate=rate,
                 slip=rate * 0 if strength.is_zero else _slip(rate, rates, smooth),
                 strength=strength,
@@ -67,7 +68,7 @@ def contact_friction(names: Names, kinematics: Kinematics, contact: Contact) -> 
                 radius=None,
                 reads_reaction=True,
                 switches=smooth is None,
-                touch=SlipDirection(frames, reach, touch.point, direction, multiplier),
+                touch=SlipDirection(contact.name, frames, reach, touch.point, direction, multiplier),
             )
 
 

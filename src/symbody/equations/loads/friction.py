@@ -17,7 +17,6 @@ from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT, SIGN
-from symbody.model.contacts.contact import Contact
 from symbody.model.joint import Joint
 from symbody.model.loads.friction import Friction
 from symbody.spatial.vector import Vector
@@ -33,7 +32,9 @@ class FrictionLaw:
         Of the joint, or of the contact and the direction.
     element : str
         What sticks or slips as one: the joint, or both directions of a contact.
-    owner : Joint or Contact
+    friction : Friction
+    joint : Joint or None
+        None in a contact.
     rate : Expr
         Of the coordinate; the slip along the direction [m/s].
     slip : Expr
@@ -59,7 +60,8 @@ class FrictionLaw:
 
     name: str
     element: str
-    owner: Joint | Contact
+    friction: Friction
+    joint: Joint | None
     rate: Expr
     slip: Expr
     strength: Expr
@@ -75,12 +77,17 @@ class FrictionLaw:
     @property
     def coordinate(self) -> str:
         """The coordinate it acts along; empty in a contact."""
-        return self.owner.coordinates[0] if isinstance(self.owner, Joint) else ""
+        return "" if self.joint is None else self.joint.coordinates[0]
 
     @property
     def turns(self) -> bool:
         """Whether its coordinate is an angle."""
-        return isinstance(self.owner, Joint) and self.coordinate in self.owner.rotation_coordinates
+        return self.joint is not None and self.coordinate in self.joint.rotation_coordinates
+
+    @property
+    def owner(self) -> str:
+        """The joint or the contact."""
+        return self.name if self.touch is None else self.touch.contact
 
     @property
     def symbol(self) -> Symbol:
@@ -137,6 +144,7 @@ class SlipDirection(NamedTuple):
 
     Attributes
     ----------
+    contact : str
     frames : (str, str)
         Of the shapes.
     reach : Vector
@@ -149,6 +157,7 @@ class SlipDirection(NamedTuple):
         The multiplier of the gap, which is the force along the normal.
     """
 
+    contact: str
     frames: tuple[str, str]
     reach: Vector
     point: Vector
@@ -205,7 +214,8 @@ def _law(names: Names, joint: Joint, friction: Friction) -> FrictionLaw:
     return FrictionLaw(
         name=joint.name,
         element=joint.name,
-        owner=joint,
+        friction=friction,
+        joint=joint,
         rate=rate,
         slip=zero if strength.is_zero else slip,
         strength=strength,

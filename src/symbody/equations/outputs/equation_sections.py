@@ -150,8 +150,8 @@ def friction_section(textbook: Textbook) -> EquationSection:
 
 def _at_rest(law: FrictionLaw) -> str:
     """Return when the law of a joint that sticks applies, and up to which effort it sticks."""
-    friction = law.owner.friction
-    pairs = () if friction is None else ((friction.force, friction.static), (friction.mu, friction.mu_static))
+    friction = law.friction
+    pairs = (friction.force, friction.static), (friction.mu, friction.mu_static)
     exchanged = [f", with {b.text} in place of {a.text}" for a, b in pairs if a is not None and b is not None]
     return f"{_SLIPS}{''.join(exchanged)}"
 

@@ -140,7 +140,7 @@ def rigid_force(formed: EquationsOfMotion, contact: str) -> list[Expr]:
     """Return the force of a rigid contact on its end, in all its points, in the axes of its frame."""
     force = [number(formed.graph, 0)] * 3
     for law in formed.friction:
-        if law.owner.name == contact:
+        if law.owner == contact:
             place = "xy".index(law.name[-1])
             force[place] = force[place] + _effort(law)
     for row in formed.rows:

@@ -27,7 +27,6 @@ from symbody.expr.expression import Expr, maximum, minimum, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import ABS, LT, SELECT
 from symbody.expr.rewrite import substitute
-from symbody.model.joint import Joint
 from symbody.spatial.vector import components, dot, vector
 from symbody.tolerances import UNSOLVED
 
@@ -262,14 +261,13 @@ def normal_load(formed: EquationsOfMotion, law: FrictionLaw) -> list[Expr]:
     slides also the moment about the origin of its end frame over the radius, if there is one. In a rigid
     contact it is the force along the normal, 0 in equations in which its gap is open.
     """
-    if not isinstance(law.owner, Joint):
-        assert law.touch is not None
+    joint, names, tree = law.joint, formed.names, formed.kinematics.tree
+    if joint is None:
+        gap = "" if law.touch is None else law.touch.row
+        closed = any(row.name == gap for row in formed.rows)
         return [
-            symbol(formed.graph, Symbol(law.touch.row, SymbolKind.MULTIPLIER))
-            if any(row.name == law.touch.row for row in formed.rows)
-            else number(formed.graph, 0)
+            symbol(formed.graph, Symbol(gap, SymbolKind.MULTIPLIER)) if closed else number(formed.graph, 0)
         ]
-    joint, names, tree = law.owner, formed.names, formed.kinematics.tree
     wrench, start = formed.wrenches[joint.name], joint.start.full_name
     turns = axis_rotations(names, joint.turns(), f"joint {joint.name}")
     axis = turns[0].axis if turns else free_directions(names, joint)[0]

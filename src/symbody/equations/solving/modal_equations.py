@@ -122,7 +122,7 @@ def _with_modes(
     switching = [law for name in joints for law in formed.friction if law.element == name]
     rows += [_row_in_mode(holding_row(formed, law), modes[law.element]) for law in switching]
     friction = tuple(
-        _slipping(law, _partner(formed, law), modes[law.element]) if law.switches else law
+        _slip_in_mode(law, _partner(formed, law), modes[law.element]) if law.switches else law
         for law in formed.friction
     )
     whole = tuple(row for row in formed.rows if row.gap in lines)
@@ -137,7 +137,7 @@ def _partner(formed: EquationsOfMotion, law: FrictionLaw) -> FrictionLaw | None:
     return next(others, None)
 
 
-def _slipping(law: FrictionLaw, partner: FrictionLaw | None, mode: Expr) -> FrictionLaw:
+def _slip_in_mode(law: FrictionLaw, partner: FrictionLaw | None, mode: Expr) -> FrictionLaw:
     """Return a law that slips as its mode says.
 
     In two directions it slips along its velocity, and from rest along the heading that is in its mode. The

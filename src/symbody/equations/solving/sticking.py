@@ -11,7 +11,6 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.expr.expression import number
-from symbody.model.joint import Joint
 from symbody.spatial.vector import cross
 
 STICKS = 0  # other modes are the signs of slipping, 1 and -1
@@ -47,14 +46,14 @@ def holding_row(formed: EquationsOfMotion, law: FrictionLaw) -> ConstraintEquati
     if law.touch is not None:
         lever = law.touch.point - law.touch.reach
         wrench = Wrench(law.touch.direction, cross(kinematics.tree, lever, law.touch.direction))
-    elif isinstance(law.owner, Joint):
+    elif law.joint is not None:
         role = next(role for role in formed.joint_roles if role.joint.name == law.name)
         if law.coordinate not in role.coordinates:
             one = number(formed.graph, 1)
-            wrench = drive_wrench(formed.names, kinematics, law.owner, law.coordinate, one)
+            wrench = drive_wrench(formed.names, kinematics, law.joint, law.coordinate, one)
     return ConstraintEquation(
         name=law.holding_effort,
-        element=law.owner.name,
+        element=law.owner,
         value=number(formed.graph, 0),
         jacobian=kinematics.speed_partials(law.rate),
         drift=kinematics.at_zero_speeds(law.rate),

@@ -116,7 +116,7 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
         f"redundant constraints leave undetermined{where}: {_list_outputs(names)}; their values are those "
         f"of the minimum-norm solution"
     ]
-    forces = {f"reaction {law.owner.name} {entry}" for law in formed.friction for entry in _FORCES
+    forces = {f"reaction {law.owner} {entry}" for law in formed.friction for entry in _FORCES
               if law.reads_reaction}  # fmt: skip
     rubbing = dict.fromkeys(name.rpartition(" ")[0].partition(" ")[2] for name in names if name in forces)
     if rubbing:

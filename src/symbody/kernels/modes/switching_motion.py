@@ -25,18 +25,17 @@ from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.new_starts import go_on
 from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.modes.end_of_shares import find_end_of_shares, shares_hold
-from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.switch_modes import (
+from symbody.kernels.modes.mode_state import (
     FUNCTION_FAULT,
     LONG_ROPE,
     NO_MODES,
     NO_SPEEDS,
     SETTLED,
-    find_long_rope,
     forget_modes,
-    settle_modes,
     show_modes,
 )
+from symbody.kernels.modes.mode_switch import ModeSwitch
+from symbody.kernels.modes.switch_modes import find_long_rope, settle_modes
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 

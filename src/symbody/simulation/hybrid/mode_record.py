@@ -83,7 +83,7 @@ class ModeRecord:
     Attributes
     ----------
     rows : (room, 3 + elements + states) array
-        What `kernels.modes.switch_modes.record` writes.
+        What `kernels.modes.mode_state.record` writes.
     """
 
     def __init__(

@@ -275,7 +275,7 @@ def struck_friction(formed: EquationsOfMotion, *, switches: bool) -> list[str]:
             sources.update(tied)
     reached = sources | {node for start in sources for _, _, node in breadth_first(edges, start)}
     laws = [law for law in formed.friction if law.reads_reaction and law.switches == switches]
-    loaded = [law.owner.name for law in laws]
+    loaded = [law.owner for law in laws]
     return [name for name in loaded if body[name] in reached]
 
 

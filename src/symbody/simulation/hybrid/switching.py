@@ -33,8 +33,8 @@ from symbody.errors import Problem, UsageError
 from symbody.kernels import block as run_at
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE, ModeElement, ModeProblem
+from symbody.kernels.modes.mode_state import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
-from symbody.kernels.modes.switch_modes import FUNCTION_FAULT, NO_MODES, SETTLED
 from symbody.kernels.pack import pack
 from symbody.simulation.events.events import ModeEnd
 from symbody.simulation.hybrid.mode_record import ModeRecord, modal_elements

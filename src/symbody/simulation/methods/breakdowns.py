@@ -82,7 +82,7 @@ def judge_friction(problem: SimulationProblem, run: Integration) -> Integration:
     if margins.min() > _LEAST_MARGIN and not unsolved.any():
         return run
     k = int(margins.argmin() if margins.min() <= _LEAST_MARGIN else residuals.argmax())
-    joint = friction[k].owner.name
+    joint = friction[k].owner
     note = (
         f"at t = {raw.reached:.9g} s friction in joint {joint} increases its own normal force without "
         f"bound: the reaction is undetermined (margin {margins[k]:.3g})"

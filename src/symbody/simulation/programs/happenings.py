@@ -111,7 +111,7 @@ class Happenings:
         if "events" in kinds:
             found |= read_kernels("event_interruptions", "forget_steps")
         if "modes" in kinds:
-            found |= read_kernels("switch_modes", "forget_rows", "rewind_modes", "forget_modes")
+            found |= read_kernels("mode_state", "forget_rows", "rewind_modes", "forget_modes")
         return found
 
     def loop_kernels(self, *names: str) -> Mapping[str, KernelTree]:
