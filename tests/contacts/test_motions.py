@@ -162,6 +162,34 @@ def test_balls_in_a_row_strike_one_after_the_other() -> None:
     np.testing.assert_allclose(balls(1e-3, (2, 0, 1)), balls(1e-3), atol=1e-9)
 
 
+@pytest.mark.parametrize("radius", [0.01, 0.001])
+def test_fast_balls_are_met_by_a_bound_or_an_event(radius: float) -> None:
+    """In free flight steps grow without bound: a note says so, and both ways that it names meet the ball."""
+    speed = 50.0
+    rails = [
+        sb.Prismatic(f"J{k}", "ground", sb.Body(f"B{k}", mass=1), axis="x", coordinate=f"x{k}")
+        for k in (0, 1)
+    ]
+    sphere = {"sphere": radius}
+    contact = sb.Contact("C", "B0", "B1", [sphere, sphere], normal=sb.NormalForce(stiffness=1e10))
+    model = sb.Model("shot", [*rails, contact], initial={"x0": -2, "x0_dot": speed})
+    eqs = sb.form_equations(model)
+    assert any("contact C: a step in which the shapes fly through each other" in note for note in eqs.notes)
+    bounded = sb.simulate(eqs, 0.06, integrator=sb.Explicit(max_step=2 * radius / speed), rtol=1e-8)
+    at_touch = sb.Event("'gap C'", direction=-1, action={"x0_dot": "x0_dot"})
+    located = sb.simulate(eqs, 0.06, events=[at_touch], rtol=1e-8)
+    for run in (bounded, located):
+        assert run["x1_dot"][-1] + run["x0_dot"][-1] == pytest.approx(speed)
+        assert run["x1_dot"][-1] ** 2 + run["x0_dot"][-1] ** 2 == pytest.approx(speed**2, rel=1e-5)
+        assert run["x1_dot"][0] == 0 and len(run.t) > 10
+    floor = sb.form_equations(sb.Model("floor", [
+        sb.Prismatic("rail", "ground", sb.Body("B", mass=1), axis="z", coordinate="z"),
+        sb.Contact("F", "ground", "B", ["plane", sphere], normal=sb.NormalForce(stiffness=1e10)),
+    ], initial={"z": 2, "z_dot": -speed}))  # fmt: skip
+    assert not any("fly through" in note for note in floor.notes)
+    assert sb.simulate(floor, 1, times=[0, 1], rtol=1e-8)["z_dot"][-1] == pytest.approx(speed, rel=1e-5)
+
+
 @pytest.mark.parametrize("mu", [1.2, 1.5, 2.0])
 def test_the_rod_of_painleve_goes_on(mu: float) -> None:
     """Pushed along at tan p = 2 it has no rigid motion from mu = 4/3 on; compliance has, and loses energy."""

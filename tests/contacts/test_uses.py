@@ -247,7 +247,7 @@ def test_sweeps_and_steps_have_the_motion() -> None:
     stepper = sb.Stepper(eqs, 0.01)
     for _ in range(50):
         stepper.step()
-    assert stepper.state["z"] == pytest.approx(alone["z"][-1], abs=1e-5)
+    assert stepper.state()["z"] == pytest.approx(alone["z"][-1], abs=1e-5)
 
 
 @pytest.mark.parametrize("words", [("box", "capsule"), ("height", "sphere"), ("plane", "cylinder")])

@@ -96,6 +96,8 @@ def elements_of(n: Level, mass: str, angle: str, frames: Mapping[str, sb.Frame])
         sb.SpringDamper(n("S"), post, f"{n('Arm')}.own", stiffness=5, free=1),
         sb.Bushing(n("B"), ground, n("Arm"), stiffness=[1, 2, 3, 4, 5, 6]),
         sb.TorsionSpring(n("TS"), n("Big slider"), n("Arm"), axis="z", stiffness=2),
+        sb.Contact(n("heel"), post, f"{n('Arm')}.tip", ["plane", {"sphere": 0.5}],
+                   normal=sb.NormalForce(stiffness=50), friction=sb.Friction(mu=0.4, v0=0.1)),
         sb.Force(n("push"), f"{n('Arm')}.tip", [n("F"), 0, f"-{n('slow')}"], resolved_in=ground,
                  reaction_on=ground),
         sb.Torque(n("twist"), n("Wheel"), [0, 0, f"{n('F')}*{n('knee')}"], resolved_in=ground, reaction_on=ground),
@@ -143,7 +145,7 @@ class Draw:
         if isinstance(argument, CoordinateWord):
             return self.n(word) if word and isinstance(self.scope.elements[before[0]], Joint) else word
         if isinstance(argument, FrameWord):
-            is_contact = isinstance(self.scope.elements.get(word), sb.Rolling)
+            is_contact = isinstance(self.scope.elements.get(word), sb.Rolling | sb.Contact)
             return self.n(word) if is_contact else self.n.address(word) if argument.fits(before) else ""
         assert isinstance(argument, EntryWord), f"say here how a part renames {argument}"
         return word

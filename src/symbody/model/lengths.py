@@ -7,6 +7,7 @@ from typing import Final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
+from symbody.model.contacts.contact import Contact
 from symbody.model.element import Element
 from symbody.model.joint import Joint
 from symbody.model.loads.curve import Curve, Law
@@ -39,6 +40,8 @@ def _own_lengths(element: Element) -> Iterator[Formula]:
         yield from _law_lengths(element.free, element.law)
     elif isinstance(element, Bushing):
         yield from element.free[:3]
+    elif isinstance(element, Contact):
+        yield from (size for shape in element.shapes for size in shape.sizes)
 
 
 def _law_lengths(free: Formula, law: Law) -> Iterator[Formula]:

@@ -17,6 +17,7 @@ from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
 from symbody.expr.opcodes import CALL, LT
 from symbody.expr.rewrite import substitute
+from symbody.model.contacts.contact import Contact
 from symbody.model.loads.curve import Curve
 from symbody.model.loads.forces import SpringDamper, TorsionSpring
 from symbody.model.model import Model
@@ -109,6 +110,8 @@ def _curves(model: Model) -> Iterator[tuple[str, Curve]]:
     for element in model.elements:
         if isinstance(element, SpringDamper | TorsionSpring) and isinstance(element.law, Curve):
             yield element.name, element.law
+        elif isinstance(element, Contact) and isinstance(element.normal.law, Curve):
+            yield element.name, element.normal.law
 
 
 def _slopes(coefficients: Sequence[float]) -> Sequence[float]:
