@@ -83,6 +83,13 @@ _ANEW: Final = {
     "samples": ("sampling", ("rewind_samples",)),
     "jumps": ("struck_motion", ("end_before_jump",)),
 }
+# What `simulation.js` calls a kernel of something that happens, and its name in `kernel_calls`.
+_CALLS: Final = {
+    "events": {"forget": "FORGET", "note": "NOTE", "watch": "WATCH", "rewindEvents": "REWIND_EVENTS"},
+    "samples": {"rewindSamples": "REWIND_SAMPLES"},
+    "jumps": {"bound": "BOUND"},
+    "modes": {"forgetRows": "FORGET_ROWS", "rewindModes": "REWIND_MODES", "forgetModes": "FORGET_MODES"},
+}
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
     "motion": RIGHT_HAND_SIDE, "view": "view", "projection": PROJECTION, "assembly": "assembly",
@@ -229,21 +236,10 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
     """Return what `simulation.js` calls of kernels, with the arrays of a motion."""
     projection = PROJECTION if PROJECTION in functions else RIGHT_HAND_SIDE
     made = kernel_calls(happens, projection, "assembly", "m.{}, 0", 1)
-    kinds = happens.kinds
-    entries = {
-        "begin": [made["BEGIN"]],
-        "advance": [made["ADVANCE"]],
-        "forget": [made["FORGET"]] * ("events" in kinds),
-        "note": [made["NOTE"]] * ("events" in kinds),
-        "watch": [made["WATCH"]] * ("events" in kinds),
-        "rewindEvents": [made["REWIND_EVENTS"]] * ("events" in kinds),
-        "rewindSamples": [made["REWIND_SAMPLES"]] * ("samples" in kinds),
-        "bound": [made["BOUND"]] * ("jumps" in kinds),
-        "forgetRows": [made["FORGET_ROWS"]] * ("modes" in kinds),
-        "rewindModes": [made["REWIND_MODES"]] * ("modes" in kinds),
-        "forgetModes": [made["FORGET_MODES"]] * ("modes" in kinds),
-    }
-    lines = [f"{name}: (m, time) => ({', '.join(calls)})," for name, calls in entries.items() if calls]
+    entries = {"begin": "BEGIN", "advance": "ADVANCE"}
+    for kind in sorted(happens.kinds):
+        entries |= _CALLS[kind]
+    lines = [f"{name}: (m, time) => {made[call]}," for name, call in entries.items()]
     return "const kernels = {\n    " + "\n    ".join(lines) + "\n};"
 
 
