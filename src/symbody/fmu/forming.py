@@ -17,7 +17,6 @@ from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.fmu.conditions import OUTPUT, Condition, condition_output, find_conditions
 from symbody.fmu.freezing import Branches
-from symbody.fmu.functions import ModelFunction, make_function
 from symbody.fmu.jumps import find_jumps
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
@@ -43,6 +42,7 @@ from symbody.simulation.programs.motion_request import (
     pose_motion,
     reason_for_program,
 )
+from symbody.simulation.programs.program_function import ProgramFunction, make_function
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
 RTOL: Final = 1e-8
@@ -117,7 +117,7 @@ def _functions_of_slopes(
     whole: EquationSet,
     branches: Branches | None,
     outputs: Sequence[str],
-) -> dict[str, ModelFunction]:
+) -> dict[str, ProgramFunction]:
     """Return the partial derivatives that importers ask for: by all inputs of `eqs`, not by modes."""
     groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
     by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
@@ -130,7 +130,7 @@ def _functions_of_slopes(
 
 def _functions_of_closing(
     functions: _Functions, eqs: EquationSet, modal: ModalEquations
-) -> dict[str, ModelFunction]:
+) -> dict[str, ProgramFunction]:
     """Return what closes states, in the equations that do so for all modes."""
     close = closing_of(eqs, holds=True)
     whole = modal.eqs if close.eqs is eqs else modal_equations(close.eqs).eqs
@@ -141,7 +141,7 @@ def _functions_of_closing(
 
 def _functions_of_modes(
     functions: _Functions, eqs: EquationSet, modal: ModalEquations
-) -> dict[str, ModelFunction]:
+) -> dict[str, ProgramFunction]:
     """Return what decides about modes."""
     if not modal.modes:
         return {}
@@ -153,7 +153,7 @@ def _functions_of_modes(
 
 def _functions_of_events(
     functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
-) -> dict[str, ModelFunction]:
+) -> dict[str, ProgramFunction]:
     """Return the values of events and of what ends modes, and what events set."""
     made, watched = {}, (*events, *mode_ends(modal))
     if watched:
@@ -168,7 +168,7 @@ def _functions_of_events(
 
 def _functions_of_samples(
     functions: _Functions, eqs: EquationSet, samples: FmuSamples
-) -> dict[str, ModelFunction]:
+) -> dict[str, ProgramFunction]:
     values = functions.make(eqs, "samples", samples.formulas)
     check_numbers(samples.values, values.sequence.outputs)
     periods = functions.make(eqs, "periods", [f"({period})" for period in samples.periods])
@@ -184,12 +184,13 @@ class _Functions:
 
     def make(
         self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
-    ) -> ModelFunction:
+    ) -> ProgramFunction:
         given = self.parameters
         values = np.concatenate([given.values, np.zeros(self.condition_count)])
         return make_function(
-            eqs, f"{FUNCTION}{name}", outputs, given.fixed_formulas, given.arguments, values, branches
-        )
+            eqs, outputs, f"{FUNCTION}{name}", given.fixed_formulas, given.arguments, values,
+            len(eqs.input_names), freeze=None if branches is None else branches.freeze,
+        )  # fmt: skip
 
     def branches(
         self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...], mode_count: int

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
+from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
-from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
@@ -27,9 +27,11 @@ from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElemen
 from symbody.kernels.modes.switch_modes import SETTLED
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.simulation.native.description import Floats
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
+_MECHANISM: Final = f"{PREFIX}{FUNCTION}"  # begins the names of its functions in C
 _LAST_STEPS: Final = 8  # that stay where there is no room for more: zeros of events lie in them
 _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
@@ -101,6 +103,8 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
     ]
     for file, roots in (*_KERNELS, *rare):
         kernels |= read_kernels(file, *roots)
+    for function in program.functions.values():
+        kernels |= function.kernels
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
     eqs, given = program.eqs, program.parameters
@@ -123,11 +127,10 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _table("char *const", "sb_elements", map(_string, program.modal.names), "const "),
         _functions(program, places),
     ]
-    texts = [function.text for function in program.functions.values()]
     sizes = _sizes(program, pool, places) | {"SB_TOKEN": _string(token)}
     title = f"/* {_plain(eqs.model.name)}, written by symbody: what the C of the FMU computes with. */\n"
     head = "".join(f"#define {name} {value}\n" for name, value in sizes.items())
-    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), *texts, _FUNCTION, *tables])
+    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), _FUNCTION, *tables])
 
 
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
@@ -158,7 +161,7 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
                 watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
     if switch.size:  # what projects takes the same numbers as steps do
         switch[ModeSwitch.fields["projection"].place] = places["projection"] - places["switch"]
-    scratch = max(function.values_work for function in program.functions.values())
+    scratch = max(function.values_size for function in program.functions.values())
     return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
 
 
@@ -206,11 +209,11 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
         "SB_CLOSED": repr(program.closing_share),
         "SB_OPEN": repr(OPEN),
-        "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
-        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.watched_events else 'motion'}",
-        "SB_ACTION_FUNCTION": f"{FUNCTION}{'action' if 'action' in functions else 'motion'}",
-        "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
-        "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
+        "SB_PROJECTION": f"{_MECHANISM}{'projection' if program.is_projected else 'motion'}",
+        "SB_WATCHED_FUNCTION": f"{_MECHANISM}{'indicators' if program.watched_events else 'motion'}",
+        "SB_ACTION_FUNCTION": f"{_MECHANISM}{'action' if 'action' in functions else 'motion'}",
+        "SB_SAMPLE_FUNCTION": f"{_MECHANISM}{'samples' if program.samples.values else 'motion'}",
+        "SB_ASSEMBLY_FUNCTION": f"{_MECHANISM}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip
     return {name: str(value) for name, value in numbers.items()} | texts
 
@@ -218,8 +221,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
 def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
     rows = []
     for name, function in program.functions.items():
-        values = f"{function.name}_values" if function.values_work else "NULL"
-        rows.append(f"{{{function.name}, {values}, {places[name]}}}")
+        values = f"{PREFIX}{function.values}" if function.values else "NULL"
+        rows.append(f"{{{_MECHANISM}{name}, {values}, {places[name]}}}")
     return _table("SbFunction", "sb_functions", rows)
 
 

@@ -12,7 +12,6 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.fmu.conditions import Condition
-from symbody.fmu.functions import Floats, ModelFunction
 from symbody.fmu.jumps import FmuJumps
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples
@@ -26,13 +25,20 @@ from symbody.simulation.hybrid.switching import mode_block, mode_ends
 from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
+from symbody.simulation.native.description import Floats
 from symbody.simulation.native.strikes import strike_block
 from symbody.simulation.programs.motion_request import PosedMotion
 from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
-from symbody.simulation.programs.program_function import DERIVATIVES, PROJECTION, RIGHT_HAND_SIDE, TURN
+from symbody.simulation.programs.program_function import (
+    DERIVATIVES,
+    PROJECTION,
+    RIGHT_HAND_SIDE,
+    TURN,
+    ProgramFunction,
+)
 
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
-FUNCTION: Final = "mechanism_"  # begins the names of functions in C
+FUNCTION: Final = "mechanism_"  # begins the names of its functions
 SPAN: Final = 10.0  # seconds of the default experiment
 
 
@@ -52,7 +58,7 @@ class FmuProgram:
         What is shown beside energy and violation.
     events : tuple of Event
         What is watched.
-    functions : mapping of str to ModelFunction
+    functions : mapping of str to ProgramFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
         sensitivities, indicators, action, parameters, sides, deciding, ends, samples, periods, strike.
     conditions : tuple of Condition
@@ -70,7 +76,7 @@ class FmuProgram:
     parameters: FmuParameters
     outputs: tuple[str, ...]
     events: tuple[Event, ...]
-    functions: Mapping[str, ModelFunction]
+    functions: Mapping[str, ProgramFunction]
     conditions: tuple[Condition, ...]
     modal: ModalEquations
     samples: FmuSamples
@@ -163,7 +169,7 @@ class FmuProgram:
         return STEPS if self.watched_events else 1
 
     @property
-    def _step_functions(self) -> Mapping[str, ModelFunction]:
+    def _step_functions(self) -> Mapping[str, ProgramFunction]:
         """The functions that the integrator calls, as programs name them."""
         names = {RIGHT_HAND_SIDE: "motion", PROJECTION: "projection", TURN: "turn", DERIVATIVES: "jacobian"}
         return {name: self.functions[own] for name, own in names.items() if own in self.functions}

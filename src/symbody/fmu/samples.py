@@ -10,9 +10,9 @@ import numpy as np
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.fmu.functions import Floats
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.model.model import Model
+from symbody.simulation.native.description import Floats
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 

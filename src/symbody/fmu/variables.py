@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 from symbody.analysis.configurations.ropes import with_taut
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.equation_set import EquationSet
+from symbody.expr import opcodes as op
 from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.program import written_out
-from symbody.fmu.functions import Floats, ModelFunction, are_symbols
 from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.simulation.native.description import Floats
+from symbody.simulation.programs.program_function import ProgramFunction
 
 Flags = NDArray[np.bool_]
 
@@ -241,12 +243,13 @@ def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuV
     return FmuVariable(name, "local", "continuous", description=words, dependencies=read)
 
 
-def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tuple[int, str], ...]]:
+def _dependencies(program: FmuProgram, function: ProgramFunction) -> list[tuple[tuple[int, str], ...]]:
     """Return what each result depends on in continuous time: value references, and how."""
-    plain = are_symbols(function.sequence)
+    sequence = function.sequence
+    results = [sequence.operations[k] for output in sequence.outputs for k in output.values]
     return [
-        _references(program, read, "constant" if plain[k] else "dependent")
-        for k, read in enumerate(dependencies(function.sequence))
+        _references(program, read, "constant" if result.op == op.SYMBOL else "dependent")
+        for result, read in zip(results, dependencies(sequence), strict=True)
     ]
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.kernels.sequence_kernel import sequence_kernels
 from symbody.codegen.kernels.tree import KernelTree
@@ -16,6 +17,7 @@ from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output, Sequence
+from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.description import Floats, RightHandSide
 from symbody.simulation.programs.motion_request import PosedMotion
 
@@ -68,6 +70,16 @@ class ProgramFunction:
         """How many numbers each output has."""
         return tuple(len(output.values) for output in self.outputs)
 
+    @property
+    def size(self) -> int:
+        """How many numbers it computes."""
+        return sum(self.sizes)
+
+    @property
+    def array(self) -> Floats:
+        """The numbers of a call, as a block holds them."""
+        return function_numbers(self.numbers)
+
     def constants(self) -> Floats:
         """Return the numbers c."""
         return self.numbers.constants
@@ -81,18 +93,46 @@ def program_function(
     Its equations are those of the motion, or those in which its states are closed.
     """
     eqs = motion.eqs if closing is None else closing
-    sequence, _ = form_sequence(eqs, tuple(outputs), motion.fixed_values, motion.tunable, motion.formulas)
-    head, tail = fold_constants(written_out(sequence)).split("p")
+    return make_function(
+        eqs, outputs, name, motion.fixed_values, motion.tunable,
+        np.array(motion.tunable_values, dtype=np.float64), len(motion.input_names), motion.formulas,
+    )  # fmt: skip
+
+
+def make_function(
+    eqs: EquationSet, outputs: Iterable[str], name: str, parameters: Mapping[str, Value],
+    tunable: tuple[str, ...], values: Floats, input_count: int, formulas: Mapping[str, Value] | None = None,
+    freeze: Callable[[Sequence], Sequence] | None = None,
+) -> ProgramFunction:  # fmt: skip
+    """Return a function of outputs.
+
+    Parameters
+    ----------
+    parameters : mapping
+        What is given for parameters that are no arguments.
+    tunable : tuple of str
+        Parameters that are arguments.
+    values : (n,) array
+        Their first values, and those of what follows them in p.
+    input_count : int
+        How many inputs are arguments.
+    formulas : mapping, optional
+        Laws of other inputs.
+    freeze : callable, optional
+        Makes of a sequence what is written; which arguments results depend on is asked before.
+    """
+    sequence, _ = form_sequence(eqs, tuple(outputs), parameters, tunable, formulas or {})
+    sequence = fold_constants(written_out(sequence))
+    head, tail = (sequence if freeze is None else freeze(sequence)).split("p")
     kernels, work_size = sequence_kernels(tail, name)
-    parameters = np.array(motion.tunable_values, dtype=np.float64)
-    values, values_size, constants = "", 0, np.zeros(0)
+    values_name, values_size, constants = "", 0, np.zeros(0)
     if head.output_size:
-        values = f"{name}_values"
-        more, values_size = sequence_kernels(head, values)
+        values_name = f"{name}_values"
+        more, values_size = sequence_kernels(head, values_name)
         kernels = {**kernels, **more}
-        parts = evaluate_sequence(head, {"p": parameters.tolist()})
+        parts = evaluate_sequence(head, {"p": values.tolist()})
         constants = np.concatenate([np.ravel(np.asarray(part, dtype=np.float64)) for part in parts])
-    inputs = np.zeros(len(motion.input_names))
-    n_u = len(eqs.speed_names)
-    numbers = RightHandSide(_NOWHERE, n_u, inputs, parameters, constants, work_size)
-    return ProgramFunction(kernels, sequence.outputs, numbers, values, values_size, sequence)
+    numbers = RightHandSide(
+        _NOWHERE, len(eqs.speed_names), np.zeros(input_count), values, constants, work_size
+    )
+    return ProgramFunction(kernels, sequence.outputs, numbers, values_name, values_size, sequence)
