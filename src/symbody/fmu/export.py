@@ -25,12 +25,10 @@ from symbody.fmu.descriptions import (
     description_3,
     interface_of,
 )
-from symbody.fmu.forming import make_program
 from symbody.fmu.model_text import model_text
-from symbody.fmu.names import identifier
 from symbody.fmu.parameters import fmu_parameters
-from symbody.fmu.program import SPAN, FmuProgram
-from symbody.fmu.variables import FmuVariable, fmu_variables
+from symbody.fmu.program import SPAN, FmuProgram, make_program
+from symbody.fmu.variables import FmuVariable, fmu_variables, identifier
 from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
 from symbody.formats.writing import write_content
 from symbody.simulation.events.events import Event, check_events

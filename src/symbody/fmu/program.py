@@ -2,32 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from symbody.analysis.derivatives import with_outputs
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import ModalEquations
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
+from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
-from symbody.fmu.conditions import Condition
-from symbody.fmu.jumps import FmuJumps
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.fmu.conditions import OUTPUT, Branches, Condition, condition_output, find_conditions
+from symbody.fmu.jumps import FmuJumps, find_jumps
 from symbody.fmu.parameters import FmuParameters
-from symbody.fmu.samples import FmuSamples
+from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.simulation.events.event_functions import numbers_of_events
+from symbody.simulation.events.event_functions import (
+    action_outputs,
+    check_action_shapes,
+    check_value_shapes,
+    numbers_of_events,
+)
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
-from symbody.simulation.hybrid.switching import mode_block, mode_ends
-from symbody.simulation.methods.constraints import residual_share
+from symbody.simulation.hybrid.switching import deciding_outputs, mode_block, mode_ends
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, residual_share
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
 from symbody.simulation.native.description import Floats
-from symbody.simulation.native.strikes import strike_block
-from symbody.simulation.programs.motion_request import PosedMotion
+from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
+from symbody.simulation.programs.motion_request import (
+    Method,
+    MotionRequest,
+    PosedMotion,
+    pose_motion,
+    reason_for_program,
+)
 from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
 from symbody.simulation.programs.program_function import (
     DERIVATIVES,
@@ -35,7 +54,9 @@ from symbody.simulation.programs.program_function import (
     RIGHT_HAND_SIDE,
     TURN,
     ProgramFunction,
+    make_function,
 )
+from symbody.simulation.sampling.sampled_loop import check_numbers
 
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of its functions
@@ -225,3 +246,180 @@ class FmuProgram:
         results = dependencies(function.sequence)[: sum(function.sizes[: len(POSED)])]
         read = frozenset().union(*results)
         return tuple(("p", k) in read for k in range(len(names)))
+
+
+RTOL: Final = 1e-8
+RTOL_2: Final = 1e-5  # of a method of order 2
+_POINTS: Final = 3  # at which conditions are recognized
+
+
+def make_program(
+    eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
+    events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
+    integrator: Method | None,
+) -> FmuProgram:  # fmt: skip
+    """Return a mechanism as functions and numbers.
+
+    Raises
+    ------
+    UsageError
+        If the motion needs Python.
+    """
+    samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
+    _check_motion(eqs, integrator, constraints)
+    request = MotionRequest(
+        initial={name: value for name, value in initial.items() if name not in samples.names},
+        parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
+        integrator=integrator, span=(0.0, SPAN), is_pulled=False,
+        rtol=RTOL_2 if isinstance(integrator, GeneralizedAlpha) else RTOL,
+        constraints=constraints if isinstance(constraints, Projection) else None,
+    )  # fmt: skip
+    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    jumps = find_jumps(motion, parameters)
+    parameters = parameters.fix_values(jumps.decisive)
+    modal = modal_equations(eqs)
+    whole = modal.eqs
+    stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
+    stabilized = stabilizing.applied(whole) if whole.multiplier_names else whole
+    conditions = find_conditions(modal)
+    functions = _Functions(parameters, len(conditions))
+    sides = with_outputs(whole, [condition_output(conditions)])
+    branches = functions.branches(motion, sides, conditions, len(modal.modes))
+    made = {
+        "motion": functions.make(whole, "motion", ["xdot", "power"]),
+        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
+        "output": functions.make(whole, "output", ["constraints", "energy", *outputs], branches),
+    }
+    if motion.is_closed or whole.multiplier_names:
+        made["projection"] = functions.make(whole, "projection", PROJECTED)
+    made |= _functions_of_closing(functions, motion.eqs, modal)
+    if isinstance(integrator, GeneralizedAlpha):
+        made["turn"] = functions.make(whole, "turn", ["qdot"])
+        made["jacobian"] = functions.make(with_state_jacobian(whole, {}), "jacobian", [STATE_JACOBIAN])
+    if eqs.state_names:
+        made |= _functions_of_slopes(functions, eqs, stabilized, whole, branches, outputs)
+    if conditions:
+        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
+    if jumps.times and eqs.speed_names:
+        made["strike"] = functions.make(strike_equations(whole), "strike", strike_outputs(whole))
+    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, modal, events)
+    if samples.values:
+        made |= _functions_of_samples(functions, whole, samples)
+        parameters = parameters.with_fixed(made["periods"].sequence)
+    if parameters.calculated:
+        made["parameters"] = functions.make(whole, "parameters", [f"({x})" for x in parameters.calculated])
+    return FmuProgram(
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps
+    )
+
+
+def _functions_of_slopes(
+    functions: _Functions,
+    eqs: EquationSet,
+    stabilized: EquationSet,
+    whole: EquationSet,
+    branches: Branches | None,
+    outputs: Sequence[str],
+) -> dict[str, ProgramFunction]:
+    """Return the partial derivatives that importers ask for: by all inputs of `eqs`, not by modes."""
+    groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
+    by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
+    slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
+    return {
+        "derivatives": functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches),
+        "sensitivities": functions.make(whole, "sensitivities", slopes, branches),
+    }
+
+
+def _functions_of_closing(
+    functions: _Functions, eqs: EquationSet, modal: ModalEquations
+) -> dict[str, ProgramFunction]:
+    """Return what closes states, in the equations that do so for all modes."""
+    close = closing_of(eqs, holds=True)
+    whole = modal.eqs if close.eqs is eqs else modal_equations(close.eqs).eqs
+    if not (whole.multiplier_names or whole.quaternions):
+        return {}
+    return {"assembly": functions.make(whole, "assembly", close.outputs)}
+
+
+def _functions_of_modes(
+    functions: _Functions, eqs: EquationSet, modal: ModalEquations
+) -> dict[str, ProgramFunction]:
+    """Return what decides about modes."""
+    if not modal.modes:
+        return {}
+    outputs: list[str] = []
+    for output in deciding_outputs(modal):
+        outputs += [output] if isinstance(output, str) else output
+    return {"deciding": functions.make(eqs, "deciding", outputs)}
+
+
+def _functions_of_events(
+    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
+) -> dict[str, ProgramFunction]:
+    """Return the values of events and of what ends modes, and what events set."""
+    made, watched = {}, (*events, *mode_ends(modal))
+    if watched:
+        values = [str(event.expression) for event in watched]
+        made["indicators"] = functions.make(modal.eqs, "indicators", values)
+        check_value_shapes(watched, made["indicators"].sequence.outputs)
+    if outputs := action_outputs(events):
+        made["action"] = functions.make(modal.eqs, "action", outputs)
+        check_action_shapes(events, made["action"].sequence.outputs[1:-1])
+    return made
+
+
+def _functions_of_samples(
+    functions: _Functions, eqs: EquationSet, samples: FmuSamples
+) -> dict[str, ProgramFunction]:
+    values = functions.make(eqs, "samples", samples.formulas)
+    check_numbers(samples.values, values.sequence.outputs)
+    periods = functions.make(eqs, "periods", [f"({period})" for period in samples.periods])
+    return {"samples": values, "periods": periods}
+
+
+@dataclass(frozen=True, slots=True)
+class _Functions:
+    """Makes functions of the same parameters, behind which p holds the sides of conditions."""
+
+    parameters: FmuParameters
+    condition_count: int
+
+    def make(
+        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
+    ) -> ProgramFunction:
+        given = self.parameters
+        values = np.concatenate([given.values, np.zeros(self.condition_count)])
+        return make_function(
+            eqs, outputs, f"{FUNCTION}{name}", given.fixed_formulas, given.arguments, values,
+            len(eqs.input_names), freeze=None if branches is None else branches.freeze,
+        )  # fmt: skip
+
+    def branches(
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...], mode_count: int
+    ) -> Branches | None:
+        """Return the branches with what decides them, at some points about the first state; nothing holds."""
+        if not conditions:
+            return None
+        sequence = self.make(sides, "sides", [OUTPUT]).sequence
+        n_u, n_r = len(sides.speed_names), len(sides.input_names) - mode_count
+        x, p = motion.integration.state, self.parameters.values.tolist()
+        points = []
+        for k in range(_POINTS):
+            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
+            r = [*(math.cos(2.0 + 5.0 * k + i) for i in range(n_r)), *[float(LOOSE)] * mode_count]
+            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
+        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
+        are_floors = tuple(condition.is_floor for condition in conditions)
+        return Branches(tuple(points), values, are_floors, len(p))
+
+
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
+    reason = reason_for_program(eqs, input_laws(eqs.input_names, {}, (0.0, SPAN)), integrator, constraints)
+    if reason:
+        raise UsageError(
+            Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
+                    "an FMU computes without Python",
+                    "use sb.Explicit(), sb.FixedStep(..) or sb.GeneralizedAlpha(..); "
+                    "and sb.Projection() or sb.Baumgarte()")
+        )  # fmt: skip

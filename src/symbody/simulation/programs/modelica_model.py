@@ -7,12 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.state import State
-from symbody.codegen.compile import compile
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.codegen.texts.modelica import Declaration, ModelDeclarations, model_text
@@ -24,9 +22,8 @@ from symbody.expr.sequences.program import written_out
 from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.programs.free_states import free_states
 from symbody.simulation.sweeps.case_by_case import reason_for_simulate
-
-Floats = NDArray[np.float64]
 
 # Zero at the start; what is shown of how far loops open.
 _CLOSED: Final = ("constraints", "velocity_constraints")
@@ -109,44 +106,13 @@ def _closed_outputs(eqs: EquationSet) -> tuple[str, ...]:
 
 def _states(eqs: EquationSet, state: State, *, is_assembled: bool) -> Iterator[Declaration]:
     """Yield the states with their assembled values, and whether these are chosen or follow."""
-    names = (*eqs.speed_names, *eqs.coordinate_names, *eqs.signal_state_names)
     values = (*state.u.values(), *state.q.values(), *state.s.values())
-    is_all = is_assembled or bool(eqs.quaternions)
-    free = (True,) * len(names) if is_all else _free_states(eqs, state)
-    for name, value, is_free in zip(names, values, free, strict=True):
+    free = (True,) * len(values)
+    if not (is_assembled or eqs.quaternions):
+        r, chosen = np.zeros(len(eqs.input_names)), eqs.mobility.independent_speeds
+        free = free_states(eqs, state.parameters, np.array(values), r, chosen)
+    for name, value, is_free in zip(eqs.state_names, values, free, strict=True):
         yield Declaration(name, _unit(eqs, name), float(value), is_free)
-
-
-def _free_states(eqs: EquationSet, state: State) -> tuple[bool, ...]:
-    """Return which states (u, q, s) are chosen where the others follow from the constraints."""
-    q, u, s = (np.array(list(group.values())) for group in (state.q, state.u, state.s))
-    function = compile(eqs, ["position_jacobian", "jacobian"], state.parameters, quick=True)
-    values = function(state.t, q, u, np.zeros(len(eqs.input_names)), s=s)
-    by_q, jacobian = (np.asarray(value) for value in values)
-    chosen = {eqs.speed_names[k] for k in eqs.mobility.independent_speeds}
-    speeds = _free_columns(jacobian, [name in chosen for name in eqs.speed_names])
-    positions = _free_columns(
-        by_q[: len(eqs.formed.holonomic)], [f"{name}_dot" in chosen for name in eqs.coordinate_names]
-    )
-    return (*speeds, *positions, *(True for _ in eqs.signal_state_names))
-
-
-def _free_columns(matrix: Floats, is_preferred: list[bool]) -> list[bool]:
-    """Return which variables of linear equations are chosen, those preferred as far as possible."""
-    matrix = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
-    free = [True] * matrix.shape[1]
-    for wanted in (False, True):
-        columns = [k for k, preferred in enumerate(is_preferred) if preferred is wanted]
-        while columns and matrix.shape[0]:
-            sizes = np.abs(matrix[:, columns])
-            row, place = divmod(int(sizes.argmax()), len(columns))
-            if sizes[row, place] < 1e-9:
-                break
-            column = columns.pop(place)
-            pivot = matrix[row] / matrix[row, column]
-            matrix = np.delete(matrix - np.outer(matrix[:, column], pivot), row, axis=0)
-            free[column] = False
-    return free
 
 
 def _unit(eqs: EquationSet, name: str) -> str:
