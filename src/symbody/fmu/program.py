@@ -37,9 +37,10 @@ from symbody.simulation.inputs.input_laws import input_laws
 from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, residual_share
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
-from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
+from symbody.simulation.native.closing import POSED, closing_of
 from symbody.simulation.native.description import Floats
 from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
+from symbody.simulation.programs.happenings import closing_numbers
 from symbody.simulation.programs.motion_request import (
     Method,
     MotionRequest,
@@ -47,14 +48,15 @@ from symbody.simulation.programs.motion_request import (
     pose_motion,
     reason_for_program,
 )
-from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
 from symbody.simulation.programs.program_function import (
     DERIVATIVES,
     PROJECTION,
     RIGHT_HAND_SIDE,
     TURN,
     ProgramFunction,
+    implicit_array,
     make_function,
+    motion_block,
 )
 from symbody.simulation.sampling.sampled_loop import check_numbers
 
@@ -213,9 +215,7 @@ class FmuProgram:
         """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
-        close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
-        own = metric(close.eqs, self.motion.integration.problem.scales)
-        return closing_block(close.shape, own, function.sizes, function.array, self.closing_share)
+        return closing_numbers(self.motion, self.functions["assembly"])
 
     def strike(self) -> Floats:
         """Return the array of a `StrikeProblem`; empty where no rates jump."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from symbody.codegen.kernels.dialect import PREFIX
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.errors import Problem, UsageError
 from symbody.kernels.block import FunctionNumbers, Run
@@ -30,14 +31,19 @@ from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_bloc
 from symbody.simulation.hybrid.rate_jumps import jump_times
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_block
 from symbody.simulation.methods.constraints import PROJECTED, residual_share
-from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import CLOSING as CLOSING_OUTPUTS
 from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.native.description import Floats
 from symbody.simulation.native.run import EVENT_SAMPLES
 from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
 from symbody.simulation.programs.motion_request import PosedMotion
-from symbody.simulation.programs.program_function import ProgramFunction, program_function
+from symbody.simulation.programs.program_function import (
+    DERIVATIVES,
+    RIGHT_HAND_SIDE,
+    TURN,
+    ProgramFunction,
+    program_function,
+)
 from symbody.simulation.sampling.sampled_loop import check_numbers
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 
@@ -94,10 +100,18 @@ class Happenings:
         return tuple(event.label for event in (*self.events, *self.ends))
 
     @property
+    def arrays(self) -> dict[str, Floats]:
+        """All arrays, by what programs call them."""
+        return {
+            "monitor": self.monitor, "held": self.hold, "sampling": self.sampling, "jumps": self.jumps,
+            "modes": self.modes, "implicit": self.implicit,
+        }  # fmt: skip
+
+    @property
     def kinds(self) -> frozenset[str]:
         """Which of events, samples, jumps and modes there are; with modes there may be events and samples."""
-        found = {"events": self.monitor, "samples": self.hold, "jumps": self.jumps, "modes": self.modes}
-        return frozenset(kind for kind, array in found.items() if array.size)
+        arrays = {"events": self.monitor, "samples": self.hold, "jumps": self.jumps, "modes": self.modes}
+        return frozenset(kind for kind, array in arrays.items() if array.size)
 
     @property
     def kernels(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
@@ -182,12 +196,13 @@ def make_happenings(
         functions[SAMPLES] = program_function(motion, [value.formula for value in motion.held], SAMPLES)
         check_numbers(motion.held, functions[SAMPLES].outputs)
         hold = _hold(motion, block, monitor)
-        sampling = function_numbers(functions[SAMPLES].numbers)
+        sampling = functions[SAMPLES].array
     modes = _NOTHING
     if motion.modal is not None:
         modes = _modes(motion, motion.modal, functions, monitor)
         if not motion.held:
-            hold, sampling = _no_samples(), function_numbers(functions[EVENTS].numbers)
+            hold = pack(SampleHold, next=sys.float_info.max, room=STEPS)  # without values
+            sampling = functions[EVENTS].array
     jumps = _jumps(motion, functions, block)
     events = motion.request.events
     return Happenings(
@@ -224,10 +239,7 @@ def _modes(
         names += [output] if isinstance(output, str) else output
     functions[DECIDING] = program_function(motion, names, DECIDING, motion.modeless)
     functions[FITTING] = program_function(motion, PROJECTED, FITTING)
-    shapes = [
-        (function_numbers(functions[name].numbers), sum(functions[name].sizes))
-        for name in (DECIDING, FITTING)
-    ]
+    shapes = [(functions[name].array, functions[name].size) for name in (DECIDING, FITTING)]
     first = len(motion.input_names) - len(modal.modes)
     scales, eqs = motion.integration.problem.scales, motion.modeless or motion.eqs
     made = mode_block(modal, eqs, scales, first, *shapes)
@@ -236,11 +248,6 @@ def _modes(
     switch.first_event = len(motion.request.events)
     search.mode_count, search.first_mode = switch.count, first
     return made
-
-
-def _no_samples() -> Floats:
-    """Return the array of a `SampleHold` without values."""
-    return pack(SampleHold, next=sys.float_info.max, room=STEPS)
 
 
 def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> dict[str, ProgramFunction]:
@@ -259,7 +266,7 @@ def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> di
 def _monitor(motion: PosedMotion, functions: Mapping[str, ProgramFunction], block: Floats) -> Floats:
     """Return the array of an `EventMonitor` for a run."""
     run, eqs, events = Run(block), motion.eqs, motion.events
-    numbers = {name: function_numbers(function.numbers) for name, function in functions.items()}
+    numbers = {name: function.array for name, function in functions.items()}
     watch = WatchNumbers(
         run.states, run.speeds, numbers[EVENTS], numbers.get(ACTIONS, _NOTHING),
         closing_numbers(motion, functions[CLOSING]) if CLOSING in functions else _NOTHING,
@@ -278,7 +285,7 @@ def closing_numbers(motion: PosedMotion, function: ProgramFunction) -> Floats:
     close = closing_of(motion.eqs, holds=len(sizes) >= len(CLOSING_OUTPUTS))
     share = residual_share(motion.projection, motion.request.atol)
     own = metric(close.eqs, problem.scales)
-    return closing_block(close.shape, own, sizes, function_numbers(function.numbers), share)
+    return closing_block(close.shape, own, sizes, function.array, share)
 
 
 def _hold(motion: PosedMotion, block: Floats, monitor: Floats) -> Floats:
@@ -303,7 +310,7 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
         return _NOTHING
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
-    numbers = function_numbers(function.numbers)
+    numbers = function.array
     if motion.modal is not None:  # friction is finite, and ropes strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
@@ -314,3 +321,72 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     return pack(
         RateJumps, count=len(times), t_end=last, times=np.column_stack([before, behind]), problem=strikes
     )
+
+
+def kernel_calls(
+    happens: Happenings, projection: str, closing: str, argument: str, trials: int
+) -> dict[str, str]:
+    """Return the calls of the kernels of a motion by what they do.
+
+    Parameters
+    ----------
+    projection, closing : str
+        The functions that project, and that close states where events act.
+    argument : str
+        Format of an array as an argument.
+    """
+    made, f, e = happens.functions, RIGHT_HAND_SIDE, EVENTS
+    watched, sampled = "events" in happens.kinds, "samples" in happens.kinds
+    acting = [e, ACTIONS if ACTIONS in made else e, closing if CLOSING in made else e] * watched
+    sampling, monitor, happened = [SAMPLES] * sampled, ["monitor"] * watched, ["happened"] * watched
+    held, recorded, record = (
+        ["held", "sampling"] * sampled,
+        ["recorded"] * sampled,
+        ["times", "t", "x", "breaks"],
+    )
+
+    def call(kernel: str, functions: Iterable[str], arrays: Iterable[str], *numbers: object) -> str:
+        words = [f"{PREFIX}{name}" for name in functions]
+        words += [argument.format(array) for array in arrays]
+        return f"{PREFIX}{kernel}({', '.join([*words, *map(str, numbers)])})"
+
+    is_implicit = bool(happens.implicit.size)
+    method, kept = [TURN, DERIVATIVES] * is_implicit, ["implicit"] * is_implicit
+    everything = ["block", *kept, *monitor, *held, *record, "pieces", *happened, *recorded]
+    passing = ["block", *kept, *monitor, "jumps", *record, *["pieces"] * watched]
+    common = {
+        "FORGET": call("forget_steps", [], ["block", "monitor", "breaks", "pieces"], LAST_STEPS),
+        "SHOW": call("show_watch", [], ["monitor", "held"]),
+        "NOTE": call("values_before", [e], ["block", "monitor"]),
+        "REWIND_EVENTS": call("rewind_events", [], ["monitor", "happened"], "time"),
+        "REWIND_SAMPLES": call("rewind_samples", [], ["held", "recorded"], "time"),
+        "BOUND": call("end_before_jump", [], ["block", "jumps"]),
+    }
+    if "modes" in happens.kinds:
+        sampling, modes = [SAMPLES if SAMPLES in made else e], [DECIDING, FITTING]
+        searched, written = ["block", "monitor", *held], ["recorded", "decided"]
+        return common | {
+            "BEGIN": call(
+                happens.first_kernel, [f, *sampling, *modes], [*searched, "modes", *record, *written]
+            ),
+            "ADVANCE": call(
+                happens.loop_kernel, [f, projection, *acting, *sampling, *modes],
+                [*searched, "modes", *record, "pieces", "happened", *written], trials,
+            ),
+            "PASS": call(
+                happens.jump_kernel, [f, STRIKE, e, *modes],
+                [*searched, "jumps", "modes", *record, "pieces", "decided"],
+            ),
+            "WATCH": call("watch_switching", [e], ["block", "monitor", "held", "modes"]),
+            "FORGET_ROWS": call("forget_rows", [], ["modes", "decided"]),
+            "REWIND_MODES": call("rewind_modes", [], ["modes", "decided"], "time"),
+            "FORGET_MODES": call("forget_modes", [], ["modes"]),
+        }  # fmt: skip
+    return common | {
+        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *kept, *held, *record, *recorded]),
+        "ADVANCE": call(
+            happens.loop_kernel, [f, *method, projection, *acting, *sampling], everything, trials
+        ),
+        "PASS": call(happens.jump_kernel, [f, STRIKE, *[e] * watched], passing),
+        "WATCH": call("watch_again", [e], ["block", "monitor"]),
+    }

@@ -31,7 +31,6 @@ from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.methods.constraints import residual_share
-from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.happenings import (
     ACTIONS,
@@ -42,9 +41,9 @@ from symbody.simulation.programs.happenings import (
     STRIKE,
     Happenings,
     closing_numbers,
+    kernel_calls,
     make_happenings,
 )
-from symbody.simulation.programs.kernel_calls import kernel_calls
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -53,18 +52,16 @@ from symbody.simulation.programs.motion_request import (
     pose_motion,
     with_modes,
 )
-from symbody.simulation.programs.prepared_motion import (
-    implicit_array,
-    method_bounds,
-    motion_block,
-    motion_functions,
-)
 from symbody.simulation.programs.program_function import (
     DERIVATIVES,
     PROJECTION,
     RIGHT_HAND_SIDE,
     TURN,
     ProgramFunction,
+    implicit_array,
+    method_bounds,
+    motion_block,
+    motion_functions,
     program_function,
 )
 
@@ -184,7 +181,8 @@ def javascript_simulation(
     close = closing_of(motion.eqs, holds=True)
     if close.is_needed:
         functions["assembly"] = program_function(motion, close.outputs, "assembly", close.eqs)
-    block = _block(motion, functions)
+    block = motion_block(motion, functions)
+    Run(block).room.keep_dense, Run(block).room.steps = 1.0, 1
     happens = make_happenings(motion, block, implicit_array(motion, functions), functions.get("assembly"))
     if happens.steps:
         Run(block).room.steps = happens.steps
@@ -252,15 +250,7 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
 
 def _happening_numbers(happens: Happenings) -> dict[str, Any]:
     """Return the data of what happens on the way, null where nothing of a kind does."""
-    arrays = {
-        "monitor": happens.monitor,
-        "held": happens.hold,
-        "sampling": happens.sampling,
-        "jumps": happens.jumps,
-        "modes": happens.modes,
-        "implicit": happens.implicit,
-    }
-    found: dict[str, Any] = {name: array if array.size else None for name, array in arrays.items()}
+    found: dict[str, Any] = {name: array if array.size else None for name, array in happens.arrays.items()}
     found["events"] = list(happens.labels)
     found["eventCount"] = len(happens.events)
     found["happenedRoom"] = _HAPPENED + ZEROS_PER_EVENT * len(happens.labels)
@@ -297,8 +287,8 @@ def _numbers(
         "codes": {name: getattr(codes, name) for name in _CODES},
         "assembly": closing_numbers(motion, functions["assembly"]) if "assembly" in functions else None,
         "view": {
-            "numbers": function_numbers(functions["view"].numbers),
-            "size": sum(functions["view"].sizes),
+            "numbers": functions["view"].array,
+            "size": functions["view"].size,
             "parents": list(view.parents), "order": list(view.order), "energies": 12 * len(view.parents),
         },
         "parameters": {"names": list(motion.tunable), "values": list(motion.tunable_values)},
@@ -308,14 +298,6 @@ def _numbers(
         "isFixed": motion.has_one_length, "firstStep": first_step,
         "closed": residual_share(motion.projection, motion.request.atol), "pull": pull,
     }  # fmt: skip
-
-
-def _block(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
-    """Return the block of the motion at its first state."""
-    made = motion_block(motion, functions)
-    room = Run(made).room
-    room.keep_dense, room.steps = 1.0, 1
-    return made
 
 
 def _literal(value: Any) -> str:

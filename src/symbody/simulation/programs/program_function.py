@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -17,9 +18,17 @@ from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.folding import fold_constants
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output, Sequence
-from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Floats, RightHandSide
-from symbody.simulation.programs.motion_request import PosedMotion
+from symbody.simulation.inputs.breakpoints import Breakpoints
+from symbody.simulation.methods.constraints import PROJECTED, make_projector
+from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, check_atol, make_goal
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.methods.integration import work_tolerance
+from symbody.simulation.native.blocks import function_numbers, make_block
+from symbody.simulation.native.description import Floats, Projector, RightHandSide
+from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
+from symbody.simulation.native.runge_kutta import Tableau
+from symbody.simulation.programs.motion_request import Method, PosedMotion
 
 RIGHT_HAND_SIDE: Final = "right_hand_side"
 PROJECTION: Final = "projection"
@@ -136,3 +145,65 @@ def make_function(
         _NOWHERE, len(eqs.speed_names), np.zeros(input_count), values, constants, work_size
     )
     return ProgramFunction(kernels, sequence.outputs, numbers, values_name, values_size, sequence)
+
+
+def motion_functions(motion: PosedMotion) -> dict[str, ProgramFunction]:
+    """Return the functions that the integrator calls, by name."""
+    functions = {RIGHT_HAND_SIDE: program_function(motion, ("xdot", "power"), RIGHT_HAND_SIDE)}
+    if isinstance(motion.method, GeneralizedAlpha):
+        wider = with_state_jacobian(motion.eqs, motion.formulas)
+        functions[TURN] = program_function(motion, ["qdot"], TURN)
+        functions[DERIVATIVES] = program_function(motion, [STATE_JACOBIAN], DERIVATIVES, wider)
+    if motion.is_projected:
+        functions[PROJECTION] = program_function(motion, PROJECTED, PROJECTION)
+    return functions
+
+
+def motion_block(
+    motion: PosedMotion, functions: Mapping[str, ProgramFunction], eqs: EquationSet | None = None
+) -> Floats:
+    """Return the block of a motion at its first state, see `symbody.kernels.block`.
+
+    Parameters
+    ----------
+    eqs : EquationSet, optional
+        In which states are projected; by default those that are integrated.
+    """
+    integration, method, start = motion.integration, motion.method, motion.span[0]
+    atol = check_atol([*integration.tolerances, work_tolerance(integration)], motion.x0.size)
+    tableau, first, longest, bounds = method_bounds(method, motion.breakpoints)
+    goal = make_goal((start, motion.last), integration.rtol, atol, longest, bounds)
+    goal = goal._replace(max_trials=int(integration.max_steps))
+    projector = NOTHING_TO_PROJECT
+    if PROJECTION in functions:
+        projector = _projector(motion, functions[PROJECTION], eqs or motion.eqs)
+    return make_block(
+        functions[RIGHT_HAND_SIDE].numbers, projector, tableau, goal, motion.x0, start, first or 0.0
+    )
+
+
+def method_bounds(
+    method: Method, bounds: Breakpoints
+) -> tuple[Tableau, float | None, float | None, Breakpoints]:
+    """Return the numbers of a method, its first and longest step, and what bounds its steps."""
+    if isinstance(method, GeneralizedAlpha):
+        return METHOD, method.step, method.step or method.max_step, bounds_of_steps(bounds, method)
+    return method.tableau, method.first_step, method.max_step, bounds
+
+
+def implicit_array(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
+    """Return the array of an `ImplicitStep`; empty for explicit methods."""
+    method = motion.method
+    if not isinstance(method, GeneralizedAlpha):
+        return np.zeros(0)
+    numbers = ImplicitFunctions(*(functions[name].numbers for name in (RIGHT_HAND_SIDE, TURN, DERIVATIVES)))
+    size, n_q = motion.x0.size, len(motion.eqs.coordinate_names)
+    return make_array(numbers, size, n_q, float(method.rho), one_length=motion.has_one_length)
+
+
+def _projector(motion: PosedMotion, function: ProgramFunction, eqs: EquationSet) -> Projector:
+    scales = motion.integration.problem.scales
+    projector = make_projector(function, eqs, scales, motion.projection, motion.request.atol)
+    limit = math.inf if motion.has_one_length else projector.limit
+    numbers = function.numbers
+    return projector._replace(inputs=numbers.inputs, parameters=numbers.parameters, limit=limit)
