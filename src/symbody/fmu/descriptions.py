@@ -1,4 +1,4 @@
-"""`modelDescription.xml` of both standards, and `buildDescription.xml`."""
+"""`modelDescription.xml` of both standards with units of base units, and `buildDescription.xml`."""
 
 from __future__ import annotations
 

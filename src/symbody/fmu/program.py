@@ -1,4 +1,4 @@
-"""`FmuProgram`: everything that the C of an FMU computes with."""
+"""`FmuProgram`: everything that the C of an FMU computes with, and how it is formed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The variables of an FMU, in the order of their value references."""
+"""The variables of an FMU, in the order of their value references, and their structured names."""
 
 from __future__ import annotations
 

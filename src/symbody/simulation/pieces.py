@@ -15,7 +15,7 @@ from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.piecewise import Piecewise
+from symbody.simulation.results.evaluate import Piecewise
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status

@@ -26,8 +26,12 @@ from symbody.equations.solving.ropes import ropes
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inverse.motion_laws import MotionLaw, motion_laws
-from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
+from symbody.simulation.inverse.prescribed_motion import (
+    MotionLaw,
+    PrescribedStates,
+    motion_laws,
+    prescribe_motion,
+)
 from symbody.simulation.inverse.unknowns import InputSolver, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of

@@ -1,4 +1,4 @@
-"""What happens on the way of a motion that a program computes: events, samples, rates that jump."""
+"""What happens on the way of a motion that a program computes, and the calls of kernels that follow from it."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.programs.free_states import free_states
-from symbody.simulation.sweeps.case_by_case import reason_for_simulate
+from symbody.simulation.sweeps.sweep_job import reason_for_simulate
 
 # Zero at the start; what is shown of how far loops open.
 _CLOSED: Final = ("constraints", "velocity_constraints")

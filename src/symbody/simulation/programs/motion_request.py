@@ -34,7 +34,7 @@ from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.sweeps.case_by_case import reason_for_python
+from symbody.simulation.sweeps.sweep_job import reason_for_python
 
 Floats = NDArray[np.float64]
 Method = Explicit | FixedStep | GeneralizedAlpha

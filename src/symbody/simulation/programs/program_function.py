@@ -1,4 +1,4 @@
-"""`ProgramFunction`: a function of a program as kernels, with the numbers that it takes."""
+"""What the integrator of a program calls: functions as kernels with their numbers, and the block it begins with."""
 
 from __future__ import annotations
 

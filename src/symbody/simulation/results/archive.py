@@ -21,7 +21,7 @@ from symbody.errors import EnvironmentFault, FormatError, Problem
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.model_record import provenance_from
+from symbody.simulation.results.provenance import provenance_from
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]

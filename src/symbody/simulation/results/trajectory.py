@@ -31,12 +31,15 @@ from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
-from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
-from symbody.simulation.results.measured_angles import count_turns
-from symbody.simulation.results.model_record import record_of
-from symbody.simulation.results.provenance import Provenance
+from symbody.simulation.results.evaluate import (
+    Evaluate,
+    EvaluateTogether,
+    count_turns,
+    evaluate_samples,
+    formula_of_samples,
+)
+from symbody.simulation.results.provenance import Provenance, record_of
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
-from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.sample_table import SampleTable, offered_names, refuse_table_ending
 from symbody.simulation.status import Status
 

@@ -22,7 +22,6 @@ from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps
-from symbody.simulation.stepper.input_values import missing_values
 from symbody.simulation.stepper.lane_values import (
     FirstLaneValue,
     LaneValue,
@@ -34,10 +33,9 @@ from symbody.simulation.stepper.lane_values import (
     split_saved,
     values_by_lane,
 )
-from symbody.simulation.stepper.numbers import read_only
-from symbody.simulation.stepper.own_copies import OwnCopies
+from symbody.simulation.stepper.numbers import missing_values, read_only
 from symbody.simulation.stepper.side_by_side import LaneBlocks
-from symbody.simulation.stepper.stepper import Stepper
+from symbody.simulation.stepper.stepper import OwnCopies, Stepper
 
 Floats = NDArray[np.float64]
 

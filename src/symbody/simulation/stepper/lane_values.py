@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from symbody.codegen.formation.names import Value
 from symbody.errors import Problem, SymbodyError, UsageError
 from symbody.model.first_values import FirstValue
+from symbody.simulation.stepper.numbers import unknown_name
 from symbody.simulation.stepper.saved_stepper import not_saved, other_kind
-from symbody.simulation.stepper.settings import unknown_name
 
 Floats = NDArray[np.float64]
 LaneValue = Value | Sequence[Value] | NDArray[np.float64]

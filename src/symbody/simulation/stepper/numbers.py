@@ -1,14 +1,17 @@
-"""The numbers of a stepper: time, state and inputs, at places that stay the same as long as it lives."""
+"""The numbers of a stepper: time, state, and inputs as its callers give them, at places that stay the same."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any, Final, SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
+from symbody.errors import Problem, UsageError, nearest
 from symbody.kernels import stepping as at
 
 Floats = NDArray[np.float64]
@@ -116,3 +119,76 @@ def read_only(array: Floats) -> Floats:
 def state_values(state: State) -> Floats:
     """Return (u, q) of a state."""
     return np.array([*state.u.values(), *state.q.values(), *state.s.values()])
+
+
+_INFINITY: Final = math.inf
+
+
+def set_inputs(array: Floats, places: Mapping[str, int], given: Mapping[str, Any]) -> None:
+    """Set inputs at their places of an array, all or none.
+
+    Raises
+    ------
+    UsageError
+        As `checked_inputs`.
+    """
+    for name, value in given.items():
+        if name not in places or not isinstance(value, float) or not -_INFINITY < value < _INFINITY:
+            for place, number in checked_inputs(given, places).items():
+                array[place] = number
+            return
+    for name, value in given.items():
+        array[places[name]] = value
+
+
+def checked_inputs(given: Mapping[str, object], places: Mapping[str, int]) -> dict[int, float]:
+    """Return values by their places.
+
+    Raises
+    ------
+    UsageError
+        With every name that is unknown, and every value that is not one finite number.
+    """
+    problems, values = [], {}
+    for name, value in given.items():
+        if name not in places:
+            problems.append(
+                unknown_name("input", name, places, "step() accepts inputs without a formula only")
+            )
+            continue
+        what = _fault(value)
+        if what:
+            fix = f"give one number, as step({name}=float(VALUE))"
+            problems.append(Problem("stepper.input_value", name, f"{name} is {what}", "", fix))
+        elif isinstance(value, SupportsFloat):
+            values[places[name]] = float(value)
+    if problems:
+        raise UsageError(*problems)
+    return values
+
+
+def missing_values(names: Iterable[str]) -> UsageError:
+    """Return what to say about inputs without a value."""
+    first, *others = sorted(names)
+    listed = ", ".join([first, *others])
+    return UsageError(
+        Problem("stepper.input_without_value", "step", f"no value was given for {listed}",
+                "inputs without a formula hold the value of the last step, and have no value before the "
+                "first",
+                f'call step({first}=0.0), or create the stepper with inputs={{"{first}": 0}}')
+    )  # fmt: skip
+
+
+def _fault(value: object) -> str:
+    """Return what is wrong with a value, empty if it is a finite number."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        return f"{value!r}, not a number"
+    if array.ndim:
+        return f"an array of shape {array.shape}"
+    return "" if math.isfinite(float(array)) else f"{float(array)}, not a finite number"
+
+
+def unknown_name(kind: str, name: str, names: Iterable[str], why: str = "") -> Problem:
+    """Return what to say about a name that a stepper does not have."""
+    return Problem("stepper.unknown_name", name, f"there is no {kind} {name!r}", why, nearest(name, names))

@@ -19,7 +19,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.settings import StepperSettings
+from symbody.simulation.stepper.step_problem import StepperSettings
 
 Floats = NDArray[np.float64]
 

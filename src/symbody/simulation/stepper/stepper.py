@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Self
+from dataclasses import replace
+from typing import NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,22 +15,34 @@ from symbody.analysis.state import State
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import UsageError
+from symbody.equations.solving.modal_equations import permanent_equations, switches
+from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.model.first_values import FirstValue, Initial, by_priority
 from symbody.simulation.events.events import Event, Occurrence, check_events
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law
-from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.choose_steps import broken_off, steps_of
-from symbody.simulation.stepper.closed_states import close_again, nearest_state
-from symbody.simulation.stepper.compiled_steps import Steps
-from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
-from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
-from symbody.simulation.stepper.own_copies import OwnCopies
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
+from symbody.simulation.stepper.fmu_steps import FmuSteps
+from symbody.simulation.stepper.hybrid_steps import HybridSteps
+from symbody.simulation.stepper.numbers import (
+    StepNumbers,
+    checked_inputs,
+    missing_values,
+    read_only,
+    set_inputs,
+    state_values,
+    unknown_name,
+)
 from symbody.simulation.stepper.saved_stepper import (
     SavedStepper,
     check_kind,
@@ -37,22 +51,44 @@ from symbody.simulation.stepper.saved_stepper import (
     read_saved,
     saved_parameters,
 )
-from symbody.simulation.stepper.settings import (
+from symbody.simulation.stepper.separate_motions import SeparateMotions
+from symbody.simulation.stepper.step_problem import (
     StepperSettings,
+    StepProblem,
     checked_duration,
     checked_start,
-    split_inputs,
-    unknown_name,
-)
-from symbody.simulation.stepper.step_problem import (
-    StepProblem,
+    close_again,
     first_state,
     inputs_read,
+    nearest_state,
     own_laws,
+    split_inputs,
     step_problem,
 )
 
 Floats = NDArray[np.float64]
+
+
+class OwnCopies(ABC):
+    """Motions that `copy.copy` and `copy.deepcopy` copy by their own method, and that are not pickled."""
+
+    @abstractmethod
+    def copy(self) -> Self:
+        """Return another that goes on from here by itself."""
+
+    def __copy__(self) -> Self:
+        return self.copy()
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> NoReturn:
+        kind = type(self).__name__
+        raise UsageError(
+            Problem("stepper.pickle", kind, f"a {kind} cannot be pickled",
+            "it contains addresses of machine code",
+                    "pass on the bytes of save(), and restore() them in one created with the same arguments")
+        )  # fmt: skip
 
 
 class Stepper(OwnCopies):
@@ -422,3 +458,49 @@ class Stepper(OwnCopies):
         self._status = ending.status
         if not ending.status.success:
             raise broken_off(self.t, ending)
+
+
+def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
+    """Return what takes the steps of a problem, and a note on why they are slow where they are."""
+    steps, notes = _plain_steps(problem, numbers)
+    return (FmuSteps(steps, problem, numbers) if problem.settings.fmus else steps), notes
+
+
+def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
+    reason = why_separate(problem, numbers)
+    if reason:
+        return SeparateMotions(problem, numbers), (
+            f"each step is a separate simulation, which is slow: {reason}",
+        )
+    if problem.settings.events or has_instants(problem.settings.moving):
+        return HybridSteps(problem, numbers), ()
+    return CompiledSteps(problem, numbers), ()
+
+
+def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
+    """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
+    settings = problem.settings
+    eqs = settings.moving
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+        return f"sb.{type(settings.integrator).__name__}() restarts in each step"
+    if not isinstance(settings.constraints, Projection | Baumgarte | None):
+        return f"sb.{type(settings.constraints).__name__}() restarts in each step"
+    if eqs.formed.elimination is not None:
+        return "pivots of dependent speeds are monitored"
+    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
+    if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
+        return "some constraints are redundant only where all loops are closed"
+    return ""
+
+
+def has_instants(eqs: EquationSet) -> bool:
+    """Return whether more than smooth motion may happen: samples, changes of modes, jumps of rates."""
+    return bool(held_later(eqs)) or switches(eqs.formed) or eqs.plans.get("may jump", lambda: may_jump(eqs))
+
+
+def broken_off(t: float, ending: Ending) -> SimulationError:
+    """Return what to say about a step that did not come to its end."""
+    return SimulationError(
+        Problem("stepper.broke_off", f"t = {t:.9g} s", f"the step was aborted: {ending.note}",
+                ending.status.value, "reset() the stepper, or restore() a state saved before")
+    )  # fmt: skip

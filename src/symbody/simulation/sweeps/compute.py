@@ -35,7 +35,6 @@ from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.native.run import EVENT_SAMPLES, VERDICTS, memory_limit, stop_words
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.loop_job import LoopJob
 from symbody.simulation.sweeps.records import (
     CODES,
@@ -46,7 +45,7 @@ from symbody.simulation.sweeps.records import (
     Records,
     blocks,
 )
-from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.simulation.sweeps.sweep_job import SweepJob, compute_case
 from symbody.single_flight import SingleFlight
 
 Integers = NDArray[np.int64]

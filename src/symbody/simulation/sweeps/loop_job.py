@@ -38,9 +38,8 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
 from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
-from symbody.simulation.sweeps.first_states import first_states
+from symbody.simulation.sweeps.first_states import case_values, first_states
 from symbody.simulation.sweeps.records import Chunk
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.tolerances import CLOSED

@@ -31,14 +31,19 @@ from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import compute_case, reason_for_simulate
 from symbody.simulation.sweeps.case_table import Combine, Varied, case_table
 from symbody.simulation.sweeps.first_states import check_names
 from symbody.simulation.sweeps.loop_job import LoopJob, prepare_loop, serial_cases
-from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records
+from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records, Store
 from symbody.simulation.sweeps.result import Sweep, sweep_result
-from symbody.simulation.sweeps.store import Store
-from symbody.simulation.sweeps.sweep_job import SweepJob, check_lanes, check_memory, sample_times
+from symbody.simulation.sweeps.sweep_job import (
+    SweepJob,
+    check_lanes,
+    check_memory,
+    compute_case,
+    reason_for_simulate,
+    sample_times,
+)
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
     Listener,
