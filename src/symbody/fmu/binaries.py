@@ -73,10 +73,7 @@ def own_platform() -> Platform | None:
 def choose_platforms(asked: str | Iterable[str] | None, version: str) -> tuple[Platform, ...]:
     """Return the platforms to compile for: by default this machine's own.
 
-    Raises
-    ------
-    UsageError
-        If a name is unknown, or the version of the standard has no name for it.
+    Raises UsageError if a name is unknown, or the version of the standard has no name for it.
     """
     if asked is None:
         own = own_platform()
@@ -100,18 +97,14 @@ def compile_libraries(
 ) -> tuple[dict[Platform, bytes], tuple[str, ...]]:
     """Return the library of each platform, and notes on what could not be made.
 
+    Raises UsageError, EnvironmentFault if a platform is asked for that is unknown, or that no compiler here
+    makes; CompileError if a compiler refuses the text.
+
     Parameters
     ----------
     sources : mapping of file name to content
     main : str
         The file that includes all others.
-
-    Raises
-    ------
-    UsageError, EnvironmentFault
-        If a platform is asked for that is unknown, or that no compiler here makes.
-    CompileError
-        If a compiler refuses the text.
     """
     chosen = choose_platforms(asked, version)
     commands = {each: compiler_for(each) for each in chosen}

@@ -258,13 +258,7 @@ def make_program(
     events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
     integrator: Method | None,
 ) -> FmuProgram:  # fmt: skip
-    """Return a mechanism as functions and numbers.
-
-    Raises
-    ------
-    UsageError
-        If the motion needs Python.
-    """
+    """Return a mechanism as functions and numbers; raises UsageError if the motion needs Python."""
     samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
     _check_motion(eqs, integrator, constraints)
     request = MotionRequest(

@@ -68,15 +68,12 @@ def fmu_samples(
 ) -> FmuSamples:
     """Return the held values of a mechanism.
 
+    Raises UsageError if sample times are not positive.
+
     Parameters
     ----------
     initial : mapping
         Values before the first sample, among others.
-
-    Raises
-    ------
-    UsageError
-        If sample times are not positive.
     """
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
     if not signals:

@@ -63,10 +63,7 @@ class InputLaws:
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
 
-        Raises
-        ------
-        SimulationError
-            If a law fails.
+        Raises SimulationError if a law fails.
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
@@ -110,10 +107,7 @@ class InputLaws:
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return the values of callbacks at one time.
 
-        Raises
-        ------
-        SimulationError
-            If a law raises, or returns anything but a finite number.
+        Raises SimulationError if a law raises, or returns anything but a finite number.
         """
         q = q[: self.coordinates]
         return [self.call(name, t, q, u) for name in self.callbacks]
@@ -125,10 +119,7 @@ class InputLaws:
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
         """Return the derivatives of callbacks by x = (u, q), (n, x.size), as differences.
 
-        Raises
-        ------
-        SimulationError
-            If a law fails.
+        Raises SimulationError if a law fails.
         """
         here = np.array(self.evaluate(t, x[n_u:].copy(), x[:n_u].copy()))
         found = np.empty((here.size, x.size))
@@ -159,17 +150,13 @@ def input_laws(
 ) -> InputLaws:
     """Return the laws of inputs; those without one are 0; unknown names of formulas are left to `compile`.
 
+    Raises CompileError if a function or a long table is given for an input that is not there; UsageError if a
+    table cannot be read or does not reach over the span, or FMUs have no place here.
+
     Parameters
     ----------
     has_fmus : bool
         Whether FMUs may compute inputs; these are 0 until a first sample is taken.
-
-    Raises
-    ------
-    CompileError
-        If a function or a long table is given for an input that is not there.
-    UsageError
-        If a table cannot be read or does not reach over the span, or FMUs have no place here.
     """
     if not has_fmus:
         refuse_fmu_inputs(given)

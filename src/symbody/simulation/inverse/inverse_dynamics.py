@@ -196,10 +196,7 @@ def _check_questions(
 ) -> None:
     """Refuse names that mean nothing, and questions without an answer, all at once.
 
-    Raises
-    ------
-    UsageError
-        Naming each.
+    Raises UsageError naming each.
     """
     problems = []
     for name in dict.fromkeys(unknowns):

@@ -52,12 +52,8 @@ class PrescribedMotion:
     def samples(self, times: Floats) -> PrescribedStates:
         """Return the motion at times.
 
-        Raises
-        ------
-        UsageError
-            If the motion leaves freedoms.
-        SimulationError
-            If the motion contradicts the constraints, or leads out of reach, naming time and joint.
+        Raises UsageError if the motion leaves freedoms; SimulationError if the motion contradicts the
+        constraints, or leads out of reach, naming time and joint.
         """
         first = self.continuation.correct(float(times[0]), self.first)
         q = self.first if first is None else first
@@ -75,12 +71,8 @@ class PrescribedMotion:
     def motion(self, t: float, q: Floats) -> tuple[Floats, Floats]:
         """Return speeds and accelerations at a position.
 
-        Raises
-        ------
-        UsageError
-            If the driven coordinates leave freedoms.
-        SimulationError
-            If they contradict the constraints, or each other.
+        Raises UsageError if the driven coordinates leave freedoms; SimulationError if they contradict the
+        constraints, or each other.
         """
         follower = self.continuation
         still = np.zeros(len(self.eqs.speed_names))
@@ -168,10 +160,7 @@ def prescribe_motion(
 ) -> PrescribedMotion:
     """Return the path of a motion, with scales of its own where the model has no length.
 
-    Raises
-    ------
-    AssemblyError
-        If the loops do not close at the first time.
+    Raises AssemblyError if the loops do not close at the first time.
     """
     t = float(times[0])
     state = assemble(
@@ -195,10 +184,7 @@ def motion_laws(
 ) -> tuple[dict[str, Value], dict[str, Law]]:
     """Return the motions that are formulas, and the others as functions of time with two derivatives.
 
-    Raises
-    ------
-    UsageError
-        If a table has corners, or ends within the span.
+    Raises UsageError if a table has corners, or ends within the span.
     """
     formulas: dict[str, Value] = {}
     laws: dict[str, Law] = {}

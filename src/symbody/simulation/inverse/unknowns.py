@@ -78,10 +78,8 @@ class InputSolver:
     def solve(self, samples: PrescribedStates) -> SolvedInputs:
         """Return the unknown inputs of a motion.
 
-        Raises
-        ------
-        SimulationError
-            If no values of the unknowns give the motion, naming the time and what they cannot move.
+        Raises SimulationError if no values of the unknowns give the motion, naming the time and what they
+        cannot move.
         """
         count = samples.t.size
         sizes = self.path.continuation.speed_sizes
@@ -159,10 +157,8 @@ class InputSolver:
     ) -> None:
         """Refuse a motion that the unknowns cannot make, given what is missing and its scale.
 
-        Raises
-        ------
-        SimulationError
-            Naming the time, the coordinates that nothing drives, and unknowns without influence.
+        Raises SimulationError naming the time, the coordinates that nothing drives, and unknowns without
+        influence.
         """
         for k, basis in enumerate(bases):
             left = basis.T @ missing[k]
@@ -211,10 +207,7 @@ def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
 def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, ...]:
     """Return equations whose forcing is one column of B each, in the order of `unknowns`.
 
-    Raises
-    ------
-    UsageError
-        If an unknown enters otherwise than in first degree, naming it and where.
+    Raises UsageError if an unknown enters otherwise than in first degree, naming it and where.
     """
     names = tuple(unknowns)
     columns: tuple[EquationSet, ...] = eqs.variants.get(("influence", names), lambda: _influence(eqs, names))

@@ -1,4 +1,4 @@
-"""What happens on the way of a motion that a program computes, and the calls of kernels that follow from it."""
+"""What happens on the way of a motion that a program computes, and the calls of kernels that follow."""
 
 from __future__ import annotations
 
@@ -214,10 +214,7 @@ def make_happenings(
 def check_implicit(motion: PosedMotion) -> None:
     """Refuse what steps of an implicit method do not stop at in a program.
 
-    Raises
-    ------
-    UsageError
-        If signals are sampled, joints stick or ropes go slack.
+    Raises UsageError if signals are sampled, joints stick or ropes go slack.
     """
     held = [f"{value.name} is sampled" for value in motion.held]
     modes = [] if motion.modal is None else [f"the mode of {name} changes" for name in motion.modal.names]

@@ -168,10 +168,7 @@ def javascript_simulation(
 ) -> SimulationText:
     """Return a simulation as JavaScript.
 
-    Raises
-    ------
-    UsageError
-        If the request needs Python or an implicit integrator; see `MotionRequest`.
+    Raises UsageError if the request needs Python or an implicit integrator; see `MotionRequest`.
     """
     posed = pose_motion(eqs, request, check_request(eqs, request))
     check_branch(posed)

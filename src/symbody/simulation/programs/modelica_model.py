@@ -33,19 +33,15 @@ _FACTOR: Final = re.compile(r"([A-Za-z]+)(?:\^(-?\d+))?")
 def modelica_model(eqs: EquationSet, outputs: tuple[str, ...], parameters: Mapping[str, Value] | None) -> str:
     """Return the Modelica model of a mechanism.
 
+    Raises UsageError if its motion changes its equations on the way, or constraints depend on others;
+    AssemblyError, CompileError if there is no first state, or an output is unknown.
+
     Parameters
     ----------
     outputs : tuple of str
         What becomes an output, besides the constraints.
     parameters : mapping, optional
         Values to put in; None leaves parameters that are not formulas of others as parameters.
-
-    Raises
-    ------
-    UsageError
-        If its motion changes its equations on the way, or constraints depend on others.
-    AssemblyError, CompileError
-        If there is no first state, or an output is unknown.
     """
     _check_motion(eqs)
     state = assemble(eqs, parameters=parameters or {})

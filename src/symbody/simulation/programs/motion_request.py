@@ -251,10 +251,7 @@ def with_modes(motion: PosedMotion) -> PosedMotion:
 def held_values(eqs: EquationSet, request: MotionRequest) -> dict[str, HeldValue]:
     """Return the sampled signals of a motion by name, but those that are free inputs.
 
-    Raises
-    ------
-    UsageError
-        If they cannot be sampled: see `held_signals`.
+    Raises UsageError if they cannot be sampled: see `held_signals`.
     """
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
     if all(signal.name in request.free_inputs for signal in signals):
@@ -279,10 +276,7 @@ def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[fl
 def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     """Return the laws of the inputs of a motion that a page computes.
 
-    Raises
-    ------
-    UsageError
-        If the motion needs Python, an implicit integrator, or equations that change on the way.
+    Raises UsageError if the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
     held_values(
@@ -340,10 +334,7 @@ def branch_problem(name: str, what: str) -> Problem:
 def check_branch(motion: PosedMotion) -> None:
     """Refuse a start from which `simulate` would go on by `Partition`.
 
-    Raises
-    ------
-    UsageError
-        If constraints are dependent there.
+    Raises UsageError if constraints are dependent there.
     """
     problem, t = motion.integration.problem, motion.request.span[0]
     eqs = problem.eqs

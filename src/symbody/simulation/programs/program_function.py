@@ -1,4 +1,4 @@
-"""What the integrator of a program calls: functions as kernels with their numbers, and the block it begins with."""
+"""What the integrator of a program calls, functions as kernels, and the block that it begins with."""
 
 from __future__ import annotations
 

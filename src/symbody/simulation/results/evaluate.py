@@ -100,15 +100,13 @@ def count_turns(
 ) -> Floats:  # fmt: skip
     """Return the values of an output; the angle of a cut joint goes on from turn to turn.
 
+    Raises UsageError if the angle turns by more than half a turn between two samples, which then do not tell
+    by how much.
+
     Parameters
     ----------
     dense : DenseOutput, optional
         The motion, by which turns are counted from its start; else they are counted from sample to sample.
-
-    Raises
-    ------
-    UsageError
-        If the angle turns by more than half a turn between two samples, which then do not tell by how much.
     """
     symbol = name[1:-1] if name.startswith("(") and name.endswith(")") else name
     if symbol not in getattr(evaluate, "wrapped_angles", ()):
@@ -174,6 +172,8 @@ def evaluate_samples(
 ) -> Floats:
     """Return a formula's value at each sample.
 
+    Raises UsageError if what it reads is not a number at each sample.
+
     Parameters
     ----------
     values : callable
@@ -182,11 +182,6 @@ def evaluate_samples(
         Times, the last axis of the result.
     shape : tuple of int
         Of the result, to which all samples are broadcast.
-
-    Raises
-    ------
-    UsageError
-        If what it reads is not a number at each sample.
     """
     graph, columns = Graph(), dict[str, Floats]()
 

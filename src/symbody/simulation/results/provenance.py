@@ -147,14 +147,9 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
 def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) -> Provenance:
     """Return what `record_of` wrote.
 
-    Raises
-    ------
-    FormatError, ModelError, ExpressionError
-        If the text is not a model, or a formula is none, in file `where`.
-    UsageError
-        If points make no table.
-    KeyError, TypeError, ValueError
-        If something is missing, or of another kind.
+    Raises FormatError, ModelError, ExpressionError if the text is not a model, or a formula is none, in file
+    `where`; UsageError if points make no table; KeyError, TypeError, ValueError if something is missing, or
+    of another kind.
     """
     given = {**record, "tables": {name: tuple(words) for name, words in record["tables"].items()}}
     for name, kind in _KINDS.items():

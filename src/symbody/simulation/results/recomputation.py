@@ -58,10 +58,7 @@ class Recomputation:
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last; q is (n_q, N), u is (n_u, N).
 
-        Raises
-        ------
-        UsageError
-            If it cannot be computed from the file.
+        Raises UsageError if it cannot be computed from the file.
         """
         return self.together((name,), t, q, u)[0]
 
@@ -122,10 +119,7 @@ class StoredLaws(InputLaws):
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:
     """Return what a motion of a model was probably computed from: its values, and trees that fit the names.
 
-    Raises
-    ------
-    UsageError
-        If no usual choice of trees has these coordinates and speeds.
+    Raises UsageError if no usual choice of trees has these coordinates and speeds.
     """
     choices: tuple[TreeChoice, ...] = (None, "joints", "absolute")
     for substitutes, choice in product((False, True), choices):
@@ -144,10 +138,7 @@ def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) ->
 def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -> None:
     """Refuse equations of another mechanism than the one that moved.
 
-    Raises
-    ------
-    UsageError
-        If coordinates or speeds differ.
+    Raises UsageError if coordinates or speeds differ.
     """
     if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
         return

@@ -94,22 +94,13 @@ class Lane(Stepper):
         return bool(self._settings.bounded_tables)
 
     def check(self) -> None:
-        """Refuse a step that must not be taken, before anything moves.
-
-        Raises
-        ------
-        UsageError
-            See above.
-        """
+        """Refuse a step that must not be taken, before anything moves; raises UsageError."""
         self._steps.check()
 
     def conclude(self, code: int) -> None:
         """Take note of how a step ended that was taken together with others.
 
-        Raises
-        ------
-        SimulationError
-            If the motion cannot go on.
+        Raises SimulationError if the motion cannot go on.
         """
         if code == at.FINISHED:
             self._status = Status.SUCCESS
@@ -378,13 +369,7 @@ class LaneStepper(OwnCopies):
         self._reads_time = any(steps.reads_time for steps in compiled)
 
     def _check_inputs(self) -> None:
-        """Check that all inputs have values.
-
-        Raises
-        ------
-        UsageError
-            If one has none in some lane.
-        """
+        """Check that all inputs have values; raises UsageError if one has none in some lane."""
         if self._has_all_inputs:
             return
         missing = [name for name, place in self._places.items() if np.isnan(self._rows[:, place]).any()]
@@ -452,10 +437,7 @@ class LaneStepper(OwnCopies):
 def _raise_first(failed: Mapping[int, SymbodyError]) -> None:
     """Raise what is wrong with the first lanes, if anything is.
 
-    Raises
-    ------
-    SymbodyError
-        Of the kind of the first one.
+    Raises SymbodyError of the kind of the first one.
     """
     errors = list(failed.values())[:_MOST_NAMED]
     if errors:

@@ -24,13 +24,7 @@ _SIZE: Final = 8  # bytes that say how long the next part is
 
 
 def values_by_lane(what: str, values: Mapping[str, Any] | None, lanes: int) -> list[dict[str, Any]]:
-    """Return the values of each lane.
-
-    Raises
-    ------
-    UsageError
-        If there are neither one nor as many as lanes.
-    """
+    """Return the values of each lane; raises UsageError if there are neither one nor as many as lanes."""
     by_lane: list[dict[str, Any]] = [{} for _ in range(lanes)]
     if values is not None and not isinstance(values, Mapping):
         values = dict.fromkeys(("",), values)  # refused with the words of a single stepper
@@ -49,10 +43,8 @@ def input_columns(
 ) -> list[tuple[int, Floats]]:
     """Return inputs by their places among the numbers, each (N,) or one for all.
 
-    Raises
-    ------
-    UsageError
-        With every name that is unknown, and every value that is no finite number or does not fit the lanes.
+    Raises UsageError with every name that is unknown, and every value that is no finite number or does not
+    fit the lanes.
     """
     problems, columns = [], []
     if values is not None:
@@ -77,13 +69,7 @@ def in_lane(place: int, error: SymbodyError) -> SymbodyError:
 
 
 def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:
-    """Return the lanes that a caller means.
-
-    Raises
-    ------
-    UsageError
-        If these are no lanes.
-    """
+    """Return the lanes that a caller means; raises UsageError if these are no lanes."""
     if only is None:
         return tuple(range(lanes))
     try:
@@ -99,13 +85,7 @@ def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:
 
 
 def chosen_lane(number: ArrayLike, lanes: int) -> int:
-    """Return the one lane that a caller means.
-
-    Raises
-    ------
-    UsageError
-        If this is no lane, or several.
-    """
+    """Return the one lane that a caller means; raises UsageError if this is no lane, or several."""
     if not isinstance(number, int | np.integer):
         raise UsageError(
             Problem("stepper.lanes", "lanes", f"{number!r} is not a lane",
@@ -124,10 +104,7 @@ def join_saved(parts: Sequence[bytes]) -> bytes:
 def split_saved(saved: bytes, lanes: int) -> list[bytes]:
     """Return the parts that `join_saved` put together.
 
-    Raises
-    ------
-    UsageError
-        If the bytes are not whole, or those of another number of lanes.
+    Raises UsageError if the bytes are not whole, or those of another number of lanes.
     """
     if not saved.startswith(_FORMAT):
         raise not_saved("these bytes do not come from save() of this version")

@@ -1,4 +1,4 @@
-"""The numbers of a stepper: time, state, and inputs as its callers give them, at places that stay the same."""
+"""The numbers of a stepper: time, state and inputs as callers give them, at places that stay."""
 
 from __future__ import annotations
 
@@ -125,13 +125,7 @@ _INFINITY: Final = math.inf
 
 
 def set_inputs(array: Floats, places: Mapping[str, int], given: Mapping[str, Any]) -> None:
-    """Set inputs at their places of an array, all or none.
-
-    Raises
-    ------
-    UsageError
-        As `checked_inputs`.
-    """
+    """Set inputs at their places of an array, all or none; raises UsageError as `checked_inputs`."""
     for name, value in given.items():
         if name not in places or not isinstance(value, float) or not -_INFINITY < value < _INFINITY:
             for place, number in checked_inputs(given, places).items():
@@ -144,10 +138,7 @@ def set_inputs(array: Floats, places: Mapping[str, int], given: Mapping[str, Any
 def checked_inputs(given: Mapping[str, object], places: Mapping[str, int]) -> dict[int, float]:
     """Return values by their places.
 
-    Raises
-    ------
-    UsageError
-        With every name that is unknown, and every value that is not one finite number.
+    Raises UsageError with every name that is unknown, and every value that is not one finite number.
     """
     problems, values = [], {}
     for name, value in given.items():

@@ -66,10 +66,7 @@ class SavedStepper:
 def read_saved(saved: object) -> SavedStepper:
     """Return the content of saved bytes.
 
-    Raises
-    ------
-    UsageError
-        If these are not bytes that `Stepper.save` returned, or not all of them.
+    Raises UsageError if these are not bytes that `Stepper.save` returned, or not all of them.
     """
     if not isinstance(saved, bytes):
         raise not_saved(f"{type(saved).__name__} is not what save() returns")
@@ -129,10 +126,7 @@ def saved_parameters(parameters: Mapping[str, Value]) -> dict[str, Value]:
 def check_kind(saved: SavedStepper, settings: StepperSettings, size: int) -> None:
     """Refuse what a stepper of other equations or settings has saved.
 
-    Raises
-    ------
-    UsageError
-        If its kind, or how many numbers it has, differs.
+    Raises UsageError if its kind, or how many numbers it has, differs.
     """
     if saved.kind != kind_of(settings) or saved.numbers.size != size:
         raise other_kind()

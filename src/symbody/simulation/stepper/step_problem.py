@@ -1,4 +1,4 @@
-"""What a stepper moves: its arguments, checked, the equations with values of parameters, and closed states."""
+"""What a stepper moves: its arguments, checked, equations with values of parameters, closed states."""
 
 from __future__ import annotations
 
@@ -115,13 +115,7 @@ class StepProblem:
         )  # fmt: skip
 
     def check_tables(self, start: float, end: float) -> None:
-        """Refuse a step that leaves a table which must not be left.
-
-        Raises
-        ------
-        UsageError
-            Naming the input.
-        """
+        """Refuse a step that leaves a table which must not be left; raises UsageError naming the input."""
         for name, table in self.settings.bounded_tables.items():
             table.check_span(name, start, end)
 
@@ -269,10 +263,7 @@ def split_inputs(
 ) -> tuple[tuple[str, ...], Mapping[str, Law], Mapping[str, FmuInput]]:
     """Return the inputs that steps hold, in the order of the equations, the laws of others, and FMUs.
 
-    Raises
-    ------
-    UsageError
-        If it is neither a mapping nor names, or a name is unknown.
+    Raises UsageError if it is neither a mapping nor names, or a name is unknown.
     """
     laws: Mapping[str, Law] = inputs if isinstance(inputs, Mapping) else {}
     sampled = held_later(eqs)
@@ -302,13 +293,7 @@ def split_inputs(
 
 
 def checked_duration(name: str, value: object) -> float:
-    """Return the length of a step [s].
-
-    Raises
-    ------
-    UsageError
-        If it is not a positive finite number.
-    """
+    """Return the length of a step [s]; raises UsageError if it is not a positive finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
         raise UsageError(
             Problem("stepper.dt", name, f"{name} = {value!r} is not a valid step size",
@@ -318,13 +303,7 @@ def checked_duration(name: str, value: object) -> float:
 
 
 def checked_start(t: object) -> float:
-    """Return the time at the start [s].
-
-    Raises
-    ------
-    UsageError
-        If it is not a finite number.
-    """
+    """Return the time at the start [s]; raises UsageError if it is not a finite number."""
     if isinstance(t, bool) or not isinstance(t, int | float) or not math.isfinite(t):
         raise UsageError(
             Problem("stepper.t", "t", f"t = {t!r} is not a valid time", "", "give finite seconds")

@@ -428,13 +428,7 @@ class Stepper(OwnCopies):
         self._go_on = steps.go_on
 
     def _check_missing(self, given: Iterable[str]) -> None:
-        """Note which inputs have a value now.
-
-        Raises
-        ------
-        UsageError
-            If one has none.
-        """
+        """Note which inputs have a value now; raises UsageError if one has none."""
         self._missing.difference_update(given)
         if self._missing:
             raise missing_values(self._missing)
@@ -449,10 +443,7 @@ class Stepper(OwnCopies):
     def _end(self, code: int) -> None:
         """Bring a step to its end that did not come to it at once.
 
-        Raises
-        ------
-        SimulationError
-            If the motion cannot go on.
+        Raises SimulationError if the motion cannot go on.
         """
         ending = self._steps.end(code)
         self._status = ending.status

@@ -132,15 +132,13 @@ def case_table(
 ) -> CaseTable:
     """Return the cases that mappings of names to values, sequences of values, or `Samples` stand for.
 
+    Raises UsageError listing every sequence that is empty, not finite, or of another length than the others
+    in a list.
+
     Parameters
     ----------
     check : callable, optional
         Called with the numbers of cases and of names that vary, before any memory is taken for them.
-
-    Raises
-    ------
-    UsageError
-        Listing every sequence that is empty, not finite, or of another length than the others in a list.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise UsageError(

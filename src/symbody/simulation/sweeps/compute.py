@@ -159,13 +159,7 @@ class _CaseLoop:
         return code
 
     def _make_room_for_steps(self) -> None:
-        """Double the room for steps.
-
-        Raises
-        ------
-        MemoryError
-            None is left.
-        """
+        """Double the room for steps; raises MemoryError if none is left."""
         if 2 * self._pieces.nbytes > memory_limit():
             raise MemoryError
         self._breaks, self._pieces = _double(self._breaks), _double(self._pieces)

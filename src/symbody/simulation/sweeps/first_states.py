@@ -73,17 +73,13 @@ def first_states(
 ) -> FirstStates:
     """Return the first states of all cases, by `assemble` where something has to be solved for.
 
+    Raises AssemblyError listing every unknown name; CompileError if parameters have no value or names are
+    unknown.
+
     Parameters
     ----------
     scales : mapping of name to float
         Those that the caller chose.
-
-    Raises
-    ------
-    AssemblyError
-        Listing every unknown name.
-    CompileError
-        If parameters have no value or names are unknown.
     """
     guesses = check_names(eqs, table, guess)
     states = _states_of_tree(eqs, table, guess, guesses)
@@ -173,10 +169,7 @@ def _is_doubtful(moments: Floats, products: Floats) -> NDArray[np.bool_]:
 def check_names(eqs: EquationSet, table: CaseTable, guess: Mapping[str, Value]) -> dict[str, Value]:
     """Return what is known of initial values, formulas by name.
 
-    Raises
-    ------
-    AssemblyError, CompileError
-        Listing unknown names, or parameters without value.
+    Raises AssemblyError, CompileError listing unknown names, or parameters without value.
     """
     parameter_set(eqs, table.fixed_parameters, table.parameter_names)
     held = held_later(eqs)  # they have values before their first samples

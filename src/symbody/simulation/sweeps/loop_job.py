@@ -140,14 +140,9 @@ class LoopJob:
 def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     """Return code and numbers for the loop over many cases, and why some cannot start.
 
-    All of it is that of one motion whose numbers are those of many: `simulate` makes the same.
-
-    Raises
-    ------
-    CompileError, AssemblyError
-        If parameters have no value, or names are unknown.
-    UsageError
-        If an event does not watch a number.
+    All of it is that of one motion whose numbers are those of many: `simulate` makes the same. Raises
+    CompileError, AssemblyError if parameters have no value, or names are unknown; UsageError if an event does
+    not watch a number.
     """
     table, motion, modal = sweep.table, sweep.motion, modal_equations(sweep.eqs)
     constraints, span = motion.constraints, motion.span

@@ -258,13 +258,7 @@ class Store:
                 yield records
 
     def keep(self, records: Records) -> None:
-        """Keep a chunk that is complete.
-
-        Raises
-        ------
-        EnvironmentFault
-            If it cannot be written.
-        """
+        """Keep a chunk that is complete; raises EnvironmentFault if it cannot be written."""
         name = f"cases_{records.first:09d}_{records.first + records.count:09d}.npz"
         own = self._folder / f"{name}.{os.getpid()}.part"
         try:

@@ -1,4 +1,4 @@
-"""`SweepJob`: a sweep to compute, and how `simulate` computes those of its cases that the loop over many cannot."""
+"""`SweepJob`: a sweep to compute, and its cases by `simulate`, which the loop over many cannot compute."""
 
 from __future__ import annotations
 
@@ -96,10 +96,8 @@ class SweepJob:
     def digest(self, key: str | None) -> str:
         """Return what stands for all that results depend on; `key` for laws that have no content.
 
-        Raises
-        ------
-        UsageError
-            If a law has no content that could be compared with that of another call, and there is no key.
+        Raises UsageError if a law has no content that could be compared with that of another call, and there
+        is no key.
         """
         problems = [
             Problem("sweep.store_function", f"input {name}",
@@ -127,10 +125,7 @@ def sample_times(times: ArrayLike | None, span: tuple[float, float]) -> Floats:
 def check_lanes(lanes: bool | None) -> bool | None:
     """Return whether lanes are wanted.
 
-    Raises
-    ------
-    UsageError
-        Anything but True, False and None: a number of lanes would be taken for True.
+    Raises UsageError: a number of lanes would be taken for True.
     """
     if lanes is None or isinstance(lanes, bool | np.bool_):
         return None if lanes is None else bool(lanes)
@@ -144,10 +139,7 @@ def check_lanes(lanes: bool | None) -> bool | None:
 def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
     """Refuse what does not fit into memory, by counts alone.
 
-    Raises
-    ------
-    SimulationError
-        With the number of samples, or of cases, that would fit.
+    Raises SimulationError with the number of samples, or of cases, that would fit.
     """
     # Each case has its samples, what is known of how it ended, its first state, and its values: in the table,
     # beside the states, and by name in the result.
