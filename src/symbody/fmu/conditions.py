@@ -94,7 +94,6 @@ def _formula_nodes(eqs: EquationSet) -> Iterator[int]:
 
 
 def _has_bound(graph: Graph, node: int) -> bool:
-    """Return whether a value is compared with a number."""
     return graph.ops[node] in (op.LT, op.LE) and graph.number(graph.operands(node)[1]) is not None
 
 

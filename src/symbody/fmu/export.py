@@ -171,7 +171,6 @@ def save_fmu(
 def _write(
     program: FmuProgram, file: Path, version: Version, platforms: str | Iterable[str] | None, sources: bool
 ) -> Fmu:
-    """Write the archive of a program."""
     variables = fmu_variables(program)
     token = _token(program, variables, version)
     name = program.eqs.model.name
@@ -214,7 +213,6 @@ def _check_path(file: Path) -> None:
 def _source_files(
     program: FmuProgram, variables: tuple[FmuVariable, ...], token: str, version: str
 ) -> dict[str, bytes]:
-    """Return the C of an FMU by file name."""
     package = files(__package__)
     made = {name: (package / "core" / name).read_bytes() for name in (MAIN[version], *CORE)}
     made |= {name: (package / "headers" / name).read_bytes() for name in HEADERS[version]}
@@ -224,7 +222,6 @@ def _source_files(
 def _content(
     described: Described, text: Mapping[str, bytes], libraries: Mapping[Platform, bytes], version: str
 ) -> dict[str, bytes]:
-    """Return the files of the archive."""
     main = MAIN[version]
     if version == "2.0":
         made = {"modelDescription.xml": description_2(described, [main] if text else [])}

@@ -339,7 +339,6 @@ def _functions_of_closing(
 def _functions_of_modes(
     functions: _Functions, eqs: EquationSet, modal: ModalEquations
 ) -> dict[str, ProgramFunction]:
-    """Return what decides about modes."""
     if not modal.modes:
         return {}
     outputs: list[str] = []

@@ -315,7 +315,6 @@ def _lines_of(text: str, kinds: Container[str]) -> str:
 
 
 def _sizes(motion: PreparedMotion) -> dict[str, str]:
-    """Return sizes, places and codes of a program."""
     run, happens = Run(motion.block), motion.happenings
     rows = run.method.dense_rows * run.states
     count = len(happens.events)
@@ -336,7 +335,6 @@ def _sizes(motion: PreparedMotion) -> dict[str, str]:
 
 
 def _arrays(motion: PreparedMotion, language: ProgramLanguage) -> dict[str, str]:
-    """Return the numbers with which a program begins."""
     happens = motion.happenings
     places = np.flatnonzero(motion.block)
     words = {

@@ -203,7 +203,6 @@ def javascript_simulation(
 
 
 def _driver() -> str:
-    """Return what calls the kernels."""
     return (files(__package__) / "simulation.js").read_text(encoding="utf-8")
 
 
@@ -258,7 +257,6 @@ def _numbers(
     motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: ViewOutputs, spring: PointerSpring,
     happens: Happenings,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the data of a program."""
     names = motion.input_names
     wrench = motion.wrench
     pull = None

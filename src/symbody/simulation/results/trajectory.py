@@ -269,7 +269,6 @@ class Trajectory(SampleTable):
         return output_table(list_readable(scope, symbols), scope, self.units, sizes)
 
     def _stored_values(self, name: str) -> Floats | None:
-        """Return what is stored under a name."""
         if name == "t":
             return self.t
         for array, names in (

@@ -78,7 +78,6 @@ class SeparateMotions:
         return at.FINISHED if arrived else OTHERWISE
 
     def _run(self, start: float, end: float) -> Driven:
-        """Return the motion of a step."""
         if self._sampler is not None:
             self._sampler.begin_anew()
         x = np.append(self._numbers.x[:-1], 0.0)

@@ -183,7 +183,6 @@ def _constants(values: Mapping[str, Varied]) -> dict[str, Value]:
 def _check_columns(
     lists: Mapping[tuple[str, str], Varied], combine: str, has_samples: bool, samples: int | None
 ) -> dict[tuple[str, str], Floats]:
-    """Return the sequences as arrays."""
     problems = []
     if combine not in ("product", "list"):
         problems.append(
@@ -240,7 +239,6 @@ def _number(entry: object) -> object:
 
 
 def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:
-    """Return the number of combinations."""
     sizes = [column.size for column in columns.values()]
     return math.prod(sizes) if combine == "product" else max(sizes, default=1)
 

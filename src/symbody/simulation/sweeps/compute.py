@@ -228,7 +228,6 @@ class _CaseLoop:
         return np.split(rows, np.searchsorted(owner, np.arange(1, len(cases))))
 
     def _own_modes(self, cases: Integers) -> list[HeldRecord | None]:
-        """Return the modes along each case."""
         names = self._job.happens.inputs
         if not names:
             return [None] * len(cases)

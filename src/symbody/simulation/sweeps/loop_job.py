@@ -211,7 +211,6 @@ def _projection(
 def _functions(
     watch: EventFunctions | None, modes: SwitchingModes | None
 ) -> tuple[CompiledFunction | None, ...]:
-    """Return the functions of events and those of modes."""
     watched = (None, None, None) if watch is None else watch.functions
     return (*watched, *((None, None) if modes is None else modes.functions))
 
@@ -220,7 +219,6 @@ def _happenings(
     watch: EventFunctions | None, modes: SwitchingModes | None, method: Explicit | FixedStep,
     span: tuple[float, float],
 ) -> CaseHappenings:  # fmt: skip
-    """Return what may happen, as numbers and in words."""
     if watch is None:
         return CaseHappenings()
     rows = 4 + len(method.tableau.dense)
