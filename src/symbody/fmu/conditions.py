@@ -20,7 +20,7 @@ from symbody.expr import opcodes as op
 from symbody.expr.graph import TIME, Graph
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.expr.sequences.sequence import Input, Operation, Output, Roots, Sequence
+from symbody.expr.sequences.sequence import Input, Operation, Output, Sequence
 
 Point = Mapping[str, list[float]]
 
@@ -69,17 +69,17 @@ def find_conditions(modal: ModalEquations) -> tuple[Condition, ...]:
         decisive, is_floor = _decisive(graph, node), graph.ops[node] == op.FLOOR
         symbols = {graph.symbols[graph.left[k]] for k in symbols_of(graph, [decisive])}
         is_table = _has_bound(graph, node) and bounds[graph.operands(node)[0]] > _MOST_BOUNDS
-        if is_table or symbols.isdisjoint(moving) or not symbols <= usable or _is_solved(graph, decisive):
+        if (
+            is_table
+            or symbols.isdisjoint(moving)
+            or not symbols <= usable
+            or any(graph.ops[k] == op.SADDLE for k in graph.reachable([decisive]))
+        ):
             continue
         if (canonical.neg(graph, decisive), is_floor) not in made:
             reads = tuple(sorted(symbol.label for symbol in symbols.intersection(moving)))
             made.setdefault((decisive, is_floor), Condition(decisive, is_floor, reads))
     return tuple(made.values())
-
-
-def condition_output(conditions: tuple[Condition, ...]) -> Roots:
-    """Return the output that computes what decides."""
-    return Roots(OUTPUT, (len(conditions),), tuple(condition.node for condition in conditions))
 
 
 def _formula_nodes(eqs: EquationSet) -> Iterator[int]:
@@ -101,10 +101,6 @@ def _decisive(graph: Graph, node: int) -> int:
     """Return the number whose sign, or whose whole part, decides."""
     operands = graph.operands(node)
     return canonical.sub(graph, *operands) if graph.ops[node] in _COMPARISONS else operands[0]
-
-
-def _is_solved(graph: Graph, node: int) -> bool:
-    return any(graph.ops[k] == op.SADDLE for k in graph.reachable([node]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -54,7 +54,7 @@ def model_description(
         f"providesDirectionalDerivative{plural}": "true" if "derivatives" in program.functions else "false",
     }  # fmt: skip
     for word, further in _KINDS[version].items():
-        kind = xml.SubElement(root, word, common | further)
+        kind = xml.SubElement(root, word, {**common, **further})
         if is_2 and sources:
             listed = xml.SubElement(kind, "SourceFiles")
             for file in sources:
@@ -63,7 +63,11 @@ def model_description(
     group = xml.SubElement(root, "LogCategories")
     for category, text in CATEGORIES.items():
         xml.SubElement(group, "Category", {"name": category, "description": text})
-    experiment = {"startTime": "0.0", "stopTime": repr(SPAN), "tolerance": repr(program.rtol)}
+    experiment = {
+        "startTime": "0.0",
+        "stopTime": repr(SPAN),
+        "tolerance": repr(program.motion.integration.rtol),
+    }
     xml.SubElement(root, "DefaultExperiment", experiment)
     scalars = variables[: len(variables) - program.indicator_count]
     group = xml.SubElement(root, "ModelVariables")

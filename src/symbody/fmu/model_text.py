@@ -27,6 +27,7 @@ from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElemen
 from symbody.kernels.modes.switch_modes import SETTLED
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.simulation.methods.constraints import residual_share
 from symbody.simulation.native.description import Floats
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
@@ -95,9 +96,10 @@ typedef struct {
 def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
+    modal, scales = program.modal.eqs, program.motion.integration.problem.scales
     rare = [
         *(_EVENT_KERNELS if program.watched_events else ()),
-        *(_IMPLICIT_KERNELS if program.is_implicit else ()),
+        *(_IMPLICIT_KERNELS if "jacobian" in program.functions else ()),
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
         *(_MODE_KERNELS if program.modal.modes else ()),
     ]
@@ -115,7 +117,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _numbers("sb_x", program.x0),
         _numbers("sb_nominal", program.nominal),
         _numbers("sb_p", given.values),
-        _numbers("sb_scales", program.constraint_scales),
+        _numbers("sb_scales", scales.constraints(modal)[: len(modal.formed.holonomic)]),
         _flags("sb_is_given", free),
         _flags("sb_is_held", held_states(program.eqs, free)),
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
@@ -167,7 +169,7 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
 
 def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict[str, str]:
     eqs, functions = program.eqs, program.functions
-    n, n_r = len(eqs.state_names), len(eqs.input_names)
+    n, n_r, scales = len(eqs.state_names), len(eqs.input_names), program.motion.integration.problem.scales
     output = functions["output"]
     rows = output.size + n if "derivatives" in functions else 0
     dense = Run(program.block()).method.dense_rows
@@ -185,7 +187,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": places["closing"],
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.motion.has_one_length),
-        "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
+        "SB_IS_IMPLICIT": int("jacobian" in functions), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"], "SB_STRIKE": places["struck"],
         "SB_IS_STRUCK": int("strike" in functions),
         "SB_JUMPS": len(program.jumps.times), "SB_ARE_MORE_JUMPS": int(program.jumps.are_more),
@@ -206,8 +208,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers["SB_EVENT_SIZE"], numbers["SB_BREAK_SIZE"] = MonitoredEvent.size, Breakpoint.size
     numbers["SB_ELEMENT_SIZE"], numbers["SB_SETTLED"] = SwitchingElement.size, SETTLED
     texts = {
-        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
-        "SB_CLOSED": repr(program.closing_share),
+        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(scales.time),
+        "SB_CLOSED": repr(residual_share(program.motion.projection, None)),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{_MECHANISM}{'projection' if program.is_projected else 'motion'}",
         "SB_WATCHED_FUNCTION": f"{_MECHANISM}{'indicators' if program.watched_events else 'motion'}",

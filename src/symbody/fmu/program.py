@@ -16,7 +16,8 @@ from symbody.equations.solving.modal_equations import ModalEquations, modal_equa
 from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.fmu.conditions import OUTPUT, Branches, Condition, condition_output, find_conditions
+from symbody.expr.sequences.sequence import Roots
+from symbody.fmu.conditions import OUTPUT, Branches, Condition, find_conditions
 from symbody.fmu.jumps import FmuJumps, find_jumps
 from symbody.fmu.parameters import FmuParameters
 from symbody.fmu.samples import FmuSamples, fmu_samples
@@ -34,7 +35,7 @@ from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_block, mode_ends
 from symbody.simulation.inputs.input_laws import input_laws
-from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection, residual_share
+from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.native.closing import POSED, closing_of
@@ -63,6 +64,9 @@ from symbody.simulation.sampling.sampled_loop import check_numbers
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
 FUNCTION: Final = "mechanism_"  # begins the names of its functions
 SPAN: Final = 10.0  # seconds of the default experiment
+RTOL: Final = 1e-8
+RTOL_2: Final = 1e-5  # of a method of order 2
+_POINTS: Final = 3  # at which conditions are recognized
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,16 +110,6 @@ class FmuProgram:
     jumps: FmuJumps
 
     @property
-    def rtol(self) -> float:
-        """The tolerance of the default experiment."""
-        return self.motion.integration.rtol
-
-    @property
-    def is_implicit(self) -> bool:
-        """Whether co-simulation solves for its steps."""
-        return isinstance(self.motion.method, GeneralizedAlpha)
-
-    @property
     def input_names(self) -> tuple[str, ...]:
         """Inputs that an importer sets."""
         return tuple(name for name in self.eqs.input_names if name not in self.samples.names)
@@ -124,12 +118,6 @@ class FmuProgram:
     def x0(self) -> Floats:
         """The assembled state (u, q)."""
         return self.motion.integration.state
-
-    @property
-    def constraint_scales(self) -> Floats:
-        """The sizes of the position constraints."""
-        scales = self.motion.integration.problem.scales
-        return scales.constraints(self.modal.eqs)[: len(self.modal.eqs.formed.holonomic)]
 
     @property
     def nominal(self) -> Floats:
@@ -145,19 +133,9 @@ class FmuProgram:
         return len(self.events) + len(self.conditions) + len(self.modal.modes)
 
     @property
-    def time_scale(self) -> float:
-        """In which the mechanism moves by its size [s]."""
-        return self.motion.integration.problem.scales.time
-
-    @property
     def is_projected(self) -> bool:
         """Whether states fulfil constraints, norms of quaternions among them."""
         return "projection" in self.functions
-
-    @property
-    def closing_share(self) -> float:
-        """By which share of its scale a constraint may be open."""
-        return residual_share(self.motion.projection, None)
 
     @property
     def watched_events(self) -> tuple[Event, ...]:
@@ -248,11 +226,6 @@ class FmuProgram:
         return tuple(("p", k) in read for k in range(len(names)))
 
 
-RTOL: Final = 1e-8
-RTOL_2: Final = 1e-5  # of a method of order 2
-_POINTS: Final = 3  # at which conditions are recognized
-
-
 def make_program(
     eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
     events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
@@ -272,103 +245,36 @@ def make_program(
     jumps = find_jumps(motion, parameters)
     parameters = parameters.fix_values(jumps.decisive)
     modal = modal_equations(eqs)
-    whole = modal.eqs
-    stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
-    stabilized = stabilizing.applied(whole) if whole.multiplier_names else whole
     conditions = find_conditions(modal)
     functions = _Functions(parameters, len(conditions))
-    sides = with_outputs(whole, [condition_output(conditions)])
-    branches = functions.branches(motion, sides, conditions, len(modal.modes))
-    made = {
-        "motion": functions.make(whole, "motion", ["xdot", "power"]),
-        "slope": functions.make(stabilized, "slope", ["xdot"], branches),
-        "output": functions.make(whole, "output", ["constraints", "energy", *outputs], branches),
-    }
-    if motion.is_closed or whole.multiplier_names:
-        made["projection"] = functions.make(whole, "projection", PROJECTED)
-    made |= _functions_of_closing(functions, motion.eqs, modal)
-    if isinstance(integrator, GeneralizedAlpha):
-        made["turn"] = functions.make(whole, "turn", ["qdot"])
-        made["jacobian"] = functions.make(with_state_jacobian(whole, {}), "jacobian", [STATE_JACOBIAN])
-    if eqs.state_names:
-        made |= _functions_of_slopes(functions, eqs, stabilized, whole, branches, outputs)
-    if conditions:
-        made["sides"] = functions.make(sides, "sides", [OUTPUT], branches)
+    made = functions.of_motion(motion, modal, conditions, outputs, constraints)
+    watched, actions = (*events, *mode_ends(modal)), action_outputs(events)
+    periods = [f"({period})" for period in samples.periods]
+    deciding: list[str] = []
+    for output in deciding_outputs(modal) if modal.modes else ():
+        deciding += [output] if isinstance(output, str) else output
     if jumps.times and eqs.speed_names:
-        made["strike"] = functions.make(strike_equations(whole), "strike", strike_outputs(whole))
-    made |= _functions_of_modes(functions, eqs, modal) | _functions_of_events(functions, modal, events)
-    if samples.values:
-        made |= _functions_of_samples(functions, whole, samples)
+        made["strike"] = functions.make(strike_equations(modal.eqs), "strike", strike_outputs(modal.eqs))
+    for name, source, own in (
+        ("deciding", eqs, deciding),
+        ("indicators", modal.eqs, [str(event.expression) for event in watched]),
+        ("action", modal.eqs, actions),
+        ("samples", modal.eqs, samples.formulas),
+        ("periods", modal.eqs, periods),
+        ("parameters", modal.eqs, [f"({formula})" for formula in parameters.calculated]),
+    ):
+        if own:
+            made[name] = functions.make(source, name, own)
+    if watched:
+        check_value_shapes(watched, made["indicators"].outputs)
+    if actions:
+        check_action_shapes(events, made["action"].outputs[1:-1])
+    if periods:
+        check_numbers(samples.values, made["samples"].outputs)
         parameters = parameters.with_fixed(made["periods"].sequence)
-    if parameters.calculated:
-        made["parameters"] = functions.make(whole, "parameters", [f"({x})" for x in parameters.calculated])
     return FmuProgram(
         eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps
     )
-
-
-def _functions_of_slopes(
-    functions: _Functions,
-    eqs: EquationSet,
-    stabilized: EquationSet,
-    whole: EquationSet,
-    branches: Branches | None,
-    outputs: Sequence[str],
-) -> dict[str, ProgramFunction]:
-    """Return the partial derivatives that importers ask for: by all inputs of `eqs`, not by modes."""
-    groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
-    by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
-    slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
-    return {
-        "derivatives": functions.make(stabilized, "derivatives", [f"d xdot/{by}"], branches),
-        "sensitivities": functions.make(whole, "sensitivities", slopes, branches),
-    }
-
-
-def _functions_of_closing(
-    functions: _Functions, eqs: EquationSet, modal: ModalEquations
-) -> dict[str, ProgramFunction]:
-    """Return what closes states, in the equations that do so for all modes."""
-    close = closing_of(eqs, holds=True)
-    whole = modal.eqs if close.eqs is eqs else modal_equations(close.eqs).eqs
-    if not (whole.multiplier_names or whole.quaternions):
-        return {}
-    return {"assembly": functions.make(whole, "assembly", close.outputs)}
-
-
-def _functions_of_modes(
-    functions: _Functions, eqs: EquationSet, modal: ModalEquations
-) -> dict[str, ProgramFunction]:
-    if not modal.modes:
-        return {}
-    outputs: list[str] = []
-    for output in deciding_outputs(modal):
-        outputs += [output] if isinstance(output, str) else output
-    return {"deciding": functions.make(eqs, "deciding", outputs)}
-
-
-def _functions_of_events(
-    functions: _Functions, modal: ModalEquations, events: tuple[Event, ...]
-) -> dict[str, ProgramFunction]:
-    """Return the values of events and of what ends modes, and what events set."""
-    made, watched = {}, (*events, *mode_ends(modal))
-    if watched:
-        values = [str(event.expression) for event in watched]
-        made["indicators"] = functions.make(modal.eqs, "indicators", values)
-        check_value_shapes(watched, made["indicators"].sequence.outputs)
-    if outputs := action_outputs(events):
-        made["action"] = functions.make(modal.eqs, "action", outputs)
-        check_action_shapes(events, made["action"].sequence.outputs[1:-1])
-    return made
-
-
-def _functions_of_samples(
-    functions: _Functions, eqs: EquationSet, samples: FmuSamples
-) -> dict[str, ProgramFunction]:
-    values = functions.make(eqs, "samples", samples.formulas)
-    check_numbers(samples.values, values.sequence.outputs)
-    periods = functions.make(eqs, "periods", [f"({period})" for period in samples.periods])
-    return {"samples": values, "periods": periods}
 
 
 @dataclass(frozen=True, slots=True)
@@ -387,6 +293,40 @@ class _Functions:
             eqs, outputs, f"{FUNCTION}{name}", given.fixed_formulas, given.arguments, values,
             len(eqs.input_names), freeze=None if branches is None else branches.freeze,
         )  # fmt: skip
+
+    def of_motion(
+        self, motion: PosedMotion, modal: ModalEquations, conditions: tuple[Condition, ...],
+        outputs: Sequence[str], constraints: Projection | Baumgarte | None,
+    ) -> dict[str, ProgramFunction]:  # fmt: skip
+        """Return what states and outputs follow from, with derivatives by all inputs but modes."""
+        eqs, whole = motion.eqs, modal.eqs
+        stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
+        stabilized = stabilizing.applied(whole) if whole.multiplier_names else whole
+        sides = with_outputs(whole, [Roots(OUTPUT, (len(conditions),), tuple(x.node for x in conditions))])
+        branches = self.branches(motion, sides, conditions, len(modal.modes))
+        close = closing_of(eqs, holds=True)
+        closing = whole if close.eqs is eqs else modal_equations(close.eqs).eqs
+        made = {
+            "motion": self.make(whole, "motion", ["xdot", "power"]),
+            "slope": self.make(stabilized, "slope", ["xdot"], branches),
+            "output": self.make(whole, "output", ["constraints", "energy", *outputs], branches),
+        }
+        if motion.is_closed or whole.multiplier_names:
+            made["projection"] = self.make(whole, "projection", PROJECTED)
+        if closing.multiplier_names or closing.quaternions:
+            made["assembly"] = self.make(closing, "assembly", close.outputs)
+        if isinstance(motion.method, GeneralizedAlpha):
+            made["turn"] = self.make(whole, "turn", ["qdot"])
+            made["jacobian"] = self.make(with_state_jacobian(whole, {}), "jacobian", [STATE_JACOBIAN])
+        if eqs.state_names:
+            groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
+            by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
+            slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
+            made["derivatives"] = self.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
+            made["sensitivities"] = self.make(whole, "sensitivities", slopes, branches)
+        if conditions:
+            made["sides"] = self.make(sides, "sides", [OUTPUT], branches)
+        return made
 
     def branches(
         self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...], mode_count: int

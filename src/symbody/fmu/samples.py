@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -52,12 +52,10 @@ class FmuSamples:
         if not self.values:
             return np.zeros(SampleHold.size)
         # one group for each formula: parameters may set apart sample times that are the same at first
-        apart = [
-            HeldValue(value.name, value.formula, value.slot, float(group), value.initial)
-            for value, group in zip(self.values, self.groups, strict=True)
-        ]
+        pairs = list(zip(self.values, self.groups, strict=True))
+        apart = [replace(value, step=float(group)) for value, group in pairs]
         sampler = Sampler(apart, _START, speed_count)
-        steps = {group: value.step for value, group in zip(self.values, self.groups, strict=True)}
+        steps = {group: value.step for value, group in pairs}
         np.asarray(sampler.hold.steps)[:] = [steps[group] for group in dict.fromkeys(self.groups)]
         sampler.hold.room = 1
         return sampler.block
@@ -80,10 +78,7 @@ def fmu_samples(
         return FmuSamples()
     held = held_signals(eqs, span, parameters, initial, {})
     places = {name: place for place, name in enumerate(eqs.input_names)}
-    values = tuple(
-        HeldValue(value.name, value.formula, places[value.name], value.step, value.initial)
-        for value in held.active.values
-    )
+    values = tuple(replace(value, slot=places[value.name]) for value in held.active.values)
     formulas = [str(signal.sample) for signal in signals]
     periods = tuple(dict.fromkeys(formulas))
     return FmuSamples(values, periods, tuple(periods.index(formula) for formula in formulas))
