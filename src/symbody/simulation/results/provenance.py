@@ -125,7 +125,10 @@ def record_of(provenance: Provenance) -> tuple[Record, dict[str, Floats]]:
     """Return what is written of it, and the points of its tables as arrays (2, N)."""
     record: Record = {
         "text": model_to_toml(provenance.model, is_alone=True),
-        "parameters": _texts(provenance.given),
+        "parameters": {
+            name: Formula.from_value(plain_value(value), where=name).text
+            for name, value in provenance.given.items()
+        },
         "rotation_tree": provenance.trees.rotation,
         "translation_tree": provenance.trees.translation,
         "dependent_speeds": provenance.dependent_speeds,
@@ -160,7 +163,10 @@ def provenance_from(record: Record, arrays: Mapping[str, Floats], where: str) ->
     }
     return Provenance(
         model_from_toml(given["text"], f"{where}, model"),
-        _formulas(given["parameters"], where),
+        {
+            name: Formula.from_value(text, where=f"{where}, {name}")
+            for name, text in given["parameters"].items()
+        },
         Trees(given["rotation_tree"], given["translation_tree"]),
         tuple(given["dependent_speeds"]),
         {name: input_formula(text, name) for name, text in given["inputs"].items()},
@@ -176,11 +182,3 @@ def _held_record(names: list[str], arrays: Mapping[str, Floats]) -> HeldRecord |
     if not fits(list[str], names) or (names and arrays["held"].shape[:1] != (len(names) + 1,)):
         raise ValueError("held has another type")
     return HeldRecord(tuple(names), arrays["held"][0], arrays["held"][1:]) if names else None
-
-
-def _texts(values: Mapping[str, Value]) -> dict[str, str]:
-    return {name: Formula.from_value(plain_value(value), where=name).text for name, value in values.items()}
-
-
-def _formulas(texts: Mapping[str, str], where: str) -> dict[str, Value]:
-    return {name: Formula.from_value(text, where=f"{where}, {name}") for name, text in texts.items()}

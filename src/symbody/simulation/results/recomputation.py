@@ -16,7 +16,7 @@ from symbody.equations.form import form_equations
 from symbody.errors import Problem, TopologyError, UsageError
 from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
-from symbody.simulation.inputs.held_law import HeldLaw
+from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
@@ -98,22 +98,14 @@ class Recomputation:
         except TopologyError as error:  # the model lacks joints that gave the coordinates
             raise _another_model(source.model, error.problems[0].what) from error
         check_names(eqs, self.coordinate_names, self.speed_names)
-        callbacks: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
-        callbacks |= dict.fromkeys(source.missing_inputs, _unknown_value)
-        callbacks |= {} if source.held is None else {n: HeldLaw(source.held, n) for n in source.held.names}
-        callbacks = {name: callbacks[name] for name in eqs.input_names if name in callbacks}
-        laws = StoredLaws(source.inputs, callbacks, (), {})
+        laws: dict[str, Callback] = {**held_later(eqs, source.missing_inputs)}  # not numbers
+        laws |= {} if source.held is None else {n: HeldLaw(source.held, n) for n in source.held.names}
+        laws |= {name: table.reader() for name, table in source.tables.items()}
+        callbacks = {name: laws[name] for name in eqs.input_names if name in laws}
+        tables = {k: source.tables[name] for k, name in enumerate(callbacks) if name in source.tables}
+        known = InputLaws(source.inputs, callbacks, (), tables)
         scales = mechanism_scales(eqs, source.given, near=self.near)
-        return Evaluator(SimulationProblem(eqs, source.given, laws, scales), None)
-
-
-@dataclass(frozen=True, slots=True)
-class StoredLaws(InputLaws):
-    """Laws of inputs from a file; inputs whose law is lost are not numbers."""
-
-    def call(self, name: str, t: float, q: Floats, u: Floats) -> float:
-        """Return the value of one callback."""
-        return self.callbacks[name](t, q, u)
+        return Evaluator(SimulationProblem(eqs, source.given, known, scales), None)
 
 
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:
@@ -151,10 +143,6 @@ def _another_model(model: Model, why: str) -> UsageError:
         Problem("trajectory.another_model", model.name, "the motion is not one of this model", why,
                 "give the model that the motion was computed from")
     )  # fmt: skip
-
-
-def _unknown_value(t: float, q: Floats, u: Floats) -> float:
-    return float("nan")
 
 
 def _unknown_output(name: str, why: str) -> UsageError:
