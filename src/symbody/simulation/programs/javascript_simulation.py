@@ -286,10 +286,10 @@ def _numbers(
             "size": functions["view"].size,
             "parents": list(view.parents), "order": list(view.order), "energies": 12 * len(view.parents),
         },
-        "parameters": {"names": list(motion.tunable), "values": list(motion.tunable_values)},
+        "parameters": {"names": list(motion.request.tunable), "values": list(motion.tunable_values)},
         "inputs": {"names": list(names)},
         "states": list(motion.eqs.state_names),
-        "start": motion.x0, "startTime": motion.span[0],
+        "start": motion.integration.x0, "startTime": motion.span[0],
         "isFixed": motion.has_one_length, "firstStep": first_step,
         "closed": residual_share(motion.projection, motion.request.atol), "pull": pull,
     }  # fmt: skip

@@ -103,7 +103,7 @@ def program_function(
     """
     eqs = motion.eqs if closing is None else closing
     return make_function(
-        eqs, outputs, name, motion.fixed_values, motion.tunable,
+        eqs, outputs, name, motion.fixed_values, motion.request.tunable,
         np.array(motion.tunable_values, dtype=np.float64), len(motion.input_names), motion.formulas,
     )  # fmt: skip
 
@@ -170,7 +170,7 @@ def motion_block(
         In which states are projected; by default those that are integrated.
     """
     integration, method, start = motion.integration, motion.method, motion.span[0]
-    atol = check_atol([*integration.tolerances, work_tolerance(integration)], motion.x0.size)
+    atol = check_atol([*integration.tolerances, work_tolerance(integration)], motion.integration.x0.size)
     tableau, first, longest, bounds = method_bounds(method, motion.breakpoints)
     goal = make_goal((start, motion.last), integration.rtol, atol, longest, bounds)
     goal = goal._replace(max_trials=int(integration.max_steps))
@@ -178,7 +178,13 @@ def motion_block(
     if PROJECTION in functions:
         projector = _projector(motion, functions[PROJECTION], eqs or motion.eqs)
     return make_block(
-        functions[RIGHT_HAND_SIDE].numbers, projector, tableau, goal, motion.x0, start, first or 0.0
+        functions[RIGHT_HAND_SIDE].numbers,
+        projector,
+        tableau,
+        goal,
+        motion.integration.x0,
+        start,
+        first or 0.0,
     )
 
 
@@ -197,7 +203,7 @@ def implicit_array(motion: PosedMotion, functions: Mapping[str, ProgramFunction]
     if not isinstance(method, GeneralizedAlpha):
         return np.zeros(0)
     numbers = ImplicitFunctions(*(functions[name].numbers for name in (RIGHT_HAND_SIDE, TURN, DERIVATIVES)))
-    size, n_q = motion.x0.size, len(motion.eqs.coordinate_names)
+    size, n_q = motion.integration.x0.size, len(motion.eqs.coordinate_names)
     return make_array(numbers, size, n_q, float(method.rho), one_length=motion.has_one_length)
 
 
