@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from symbody.errors import CompileError, EnvironmentFault, Problem, UsageError, nearest
 
@@ -155,3 +155,23 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
                         "try another compiler, or platforms=() for an archive of sources")
             )  # fmt: skip
         return (Path(folder) / library).read_bytes()
+
+
+Version = Literal["2.0", "3.0"]
+
+# The file of C that includes all others.
+MAIN: Final[Mapping[str, str]] = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+CORE: Final = (
+    "motion.h",
+    "conditions.h",
+    "results.h",
+    "modes.h",
+    "events.h",
+    "samples.h",
+    "steps.h",
+    "instance.h",
+)
+HEADERS: Final[Mapping[str, tuple[str, ...]]] = {
+    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}

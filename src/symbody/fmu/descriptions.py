@@ -9,9 +9,9 @@ from xml.etree import ElementTree as xml
 
 import symbody
 from symbody.equations.outputs.dimensions import read_unit
+from symbody.fmu.binaries import Version
 from symbody.fmu.program import SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable
-from symbody.fmu.versions import Version
 
 CATEGORIES: Final = {
     "logStatusError": "what went wrong, and what to do", "logEvents": "events as they happen",

@@ -17,7 +17,7 @@ from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.fmu.binaries import Platform, compile_libraries
+from symbody.fmu.binaries import CORE, HEADERS, MAIN, Platform, Version, compile_libraries
 from symbody.fmu.descriptions import (
     build_description,
     model_description,
@@ -26,7 +26,6 @@ from symbody.fmu.model_text import model_text
 from symbody.fmu.parameters import fmu_parameters
 from symbody.fmu.program import FmuProgram, make_program
 from symbody.fmu.variables import FmuVariable, fmu_variables, identifier
-from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
 from symbody.formats.writing import write_content
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
