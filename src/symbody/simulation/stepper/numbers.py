@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final, SupportsFloat
 
@@ -28,21 +28,34 @@ class StepNumbers:
         The state (u, q, work), a view.
     inputs : (n_r,) array
         The inputs that are arguments of the right-hand side, a view; NaN where none was given yet.
+    places, state_places : mappings of name to int
+        Where the inputs that steps give, and time and states, stand in the array.
     """
 
-    __slots__ = ("array", "inputs", "x")
+    __slots__ = ("array", "inputs", "places", "state_places", "x")
 
-    def __init__(self, array: Floats, n: int) -> None:
-        self.array = array
-        self.x: Floats = array[at.STATE_AT :][:n]
-        self.inputs: Floats = array[at.STATE_AT + n :]
+    def __init__(
+        self, array: Floats, n: int, places: Mapping[str, int], state_places: Mapping[str, int]
+    ) -> None:
+        self.places, self.state_places = places, state_places
+        self.array, self.x, self.inputs = array, array[at.STATE_AT :][:n], array[at.STATE_AT + n :]
 
     @classmethod
-    def fresh(cls, n: int, inputs: int) -> StepNumbers:
-        """Return numbers of n states and so many inputs, none of which has a value."""
-        numbers = cls(np.zeros(at.STATE_AT + n + inputs), n)
+    def fresh(cls, states: Sequence[str], inputs: Sequence[str], of_steps: Container[str]) -> StepNumbers:
+        """Return numbers of states and inputs, none of which has a value; steps give some of these."""
+        names = (*states, "work")
+        first = at.STATE_AT + len(names)
+        state_places = {name: at.STATE_AT + names.index(name) for name in names}  # the first of equal ones
+        places = {name: first + k for k, name in enumerate(inputs) if name in of_steps}
+        array = np.zeros(first + len(inputs))
+        numbers = cls(array, len(names), places, {**state_places, "t": at.NOW})
         numbers.inputs[:] = np.nan
         return numbers
+
+    @property
+    def unset_inputs(self) -> list[str]:
+        """The inputs that steps give, but have not given yet."""
+        return [name for name, place in self.places.items() if np.isnan(self.array[place])]
 
     @property
     def t(self) -> float:
@@ -57,7 +70,7 @@ class StepNumbers:
 
     def copy(self) -> StepNumbers:
         """Return the same numbers at another place."""
-        return StepNumbers(self.array.copy(), self.x.size)
+        return StepNumbers(self.array.copy(), self.x.size, self.places, self.state_places)
 
     def next_end(self) -> float:
         """Begin a step outside the compiled loop; return its end [s]."""

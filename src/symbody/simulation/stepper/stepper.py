@@ -45,7 +45,6 @@ from symbody.simulation.stepper.numbers import (
 )
 from symbody.simulation.stepper.saved_stepper import (
     SavedStepper,
-    check_kind,
     kind_of,
     other_kind,
     read_saved,
@@ -167,7 +166,7 @@ class Stepper(OwnCopies):
             *own.notes,
         )
         self._settings, self._names = settings, inputs_read(settings, own)
-        self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
+        self._lay_out(StepNumbers.fresh(eqs.state_names, self._names, settings.inputs_of_steps))
         self._numbers.begin(start, duration, state_values(first_state(settings, dict(parameters or {}))))
         self._status = Status.SUCCESS
         self._use(dict(parameters or {}), None)
@@ -192,8 +191,8 @@ class Stepper(OwnCopies):
             return self._step_once(duration, inputs)
         if inputs:
             set_inputs(self._numbers.array, self._places, inputs)
-        if self._missing:
-            self._check_missing(inputs)
+        if not self._has_all_inputs:
+            self._check_inputs()
         code = self._go_on()
         if code != at.FINISHED:
             self._end(code)
@@ -249,8 +248,8 @@ class Stepper(OwnCopies):
     @property
     def inputs(self) -> dict[str, float]:
         """The inputs that steps give, with their values at present; those without a value are missing."""
-        item = self._numbers.array.item
-        return {name: item(k) for name, k in self._places.items() if name not in self._missing}
+        item, missing = self._numbers.array.item, self._numbers.unset_inputs
+        return {name: item(k) for name, k in self._places.items() if name not in missing}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -268,7 +267,7 @@ class Stepper(OwnCopies):
         UsageError
             If it depends on an input that has no value yet.
         """
-        place = self._state_places.get(name)
+        place = self._numbers.state_places.get(name)
         if place is not None:
             return self._numbers.array.item(place)
         moving = self._steps.motion_problem
@@ -276,8 +275,8 @@ class Stepper(OwnCopies):
         with self._steps.at_present():
             inputs = self._problem.inputs_now(self._numbers, moving)
         value = np.asarray(function.of_state(self.t, self._numbers.x[:-1], inputs))
-        if self._missing and not np.isfinite(value).all():
-            raise missing_values(self._missing)
+        if not (self._has_all_inputs or np.isfinite(value).all()):
+            self._check_inputs()
         return float(value) if value.ndim == 0 else value
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -292,8 +291,7 @@ class Stepper(OwnCopies):
         UsageError
             If an input has no value yet.
         """
-        if self._missing:
-            raise missing_values(self._missing)
+        self._check_inputs()
         inputs_now = self._problem.inputs_now(self._numbers, self._steps.motion_problem)
         inputs = dict(zip(self._names, inputs_now, strict=False))
         return nearest_state(self._problem, self._numbers, self._problem.parameters, inputs)
@@ -322,7 +320,6 @@ class Stepper(OwnCopies):
             moved = close_again(self._problem, self._numbers, parameters)
             self._use(parameters, self._problem, moved)
         set_inputs(self._numbers.array, self._places, inputs)
-        self._missing.difference_update(inputs)
         return self
 
     @checked_arguments
@@ -340,7 +337,7 @@ class Stepper(OwnCopies):
         others, near = by_priority({**(initial or {}), **values}, {})
         first = first_state(self._settings, self._problem.parameters, others, near)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
-        self._missing = set(self._settings.inputs_of_steps)
+        self._has_all_inputs = False
         self._steps.restart(others)
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
@@ -350,7 +347,6 @@ class Stepper(OwnCopies):
         other = object.__new__(type(self))
         other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
         other._lay_out(self._numbers.copy())
-        other._missing = set(self._missing)
         problem = step_problem(self._settings, self._problem.parameters, other._numbers, self._problem)
         other._take(problem, self._steps.copy(problem, other._numbers), self._slow, self._status)
         other._steps.occurrences = self._steps.occurrences
@@ -375,7 +371,8 @@ class Stepper(OwnCopies):
             If the bytes are damaged, or a stepper of other equations or settings has saved them.
         """
         content, numbers, problem = read_saved(saved), self._numbers, self._problem
-        check_kind(content, self._settings, numbers.array.size)
+        if content.kind != kind_of(self._settings) or content.numbers.size != numbers.array.size:
+            raise other_kind()
         steps, slow = self._steps, self._slow
         with numbers.unless_it_fails():
             numbers.take(content.numbers)
@@ -386,7 +383,7 @@ class Stepper(OwnCopies):
                 raise other_kind()
             steps.resume(content.kept)
             numbers.take(content.numbers)
-        self._missing = {name for name, place in self._places.items() if np.isnan(numbers.array[place])}
+        self._has_all_inputs = False
         self._take(problem, steps, slow, content.status)
         steps.occurrences = content.events
         return self
@@ -396,17 +393,11 @@ class Stepper(OwnCopies):
         return f"Stepper({self._settings.eqs.model.name!r}, dt={self.dt:g}): t = {self.t:.9g} s, {values}"
 
     def _lay_out(self, numbers: StepNumbers) -> None:
-        """Use these numbers for as long as the stepper lives, and name their places."""
+        """Use these numbers where they lie now."""
         n_u = len(self._settings.eqs.speed_names)
-        self._numbers = numbers
         n, x = n_u + len(self._settings.eqs.coordinate_names), numbers.x
+        self._numbers, self._places, self._has_all_inputs = numbers, numbers.places, False
         self._u, self._q, self._s = map(read_only, (x[:n_u], x[n_u:n], x[n:-1]))
-        names = (*self._settings.eqs.state_names, "work")
-        places = {name: stepping.STATE_AT + names.index(name) for name in names}  # the first of equal ones
-        self._state_places = places | {"t": stepping.NOW}
-        first = stepping.STATE_AT + len(names)
-        self._missing = set(self._settings.inputs_of_steps)
-        self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
     def _use(
         self, parameters: Mapping[str, Value], before: StepProblem | None, moved: Floats | None = None
@@ -427,11 +418,11 @@ class Stepper(OwnCopies):
         self._problem, self._steps, self._slow, self._status = problem, steps, slow, status
         self._go_on = steps.go_on
 
-    def _check_missing(self, given: Iterable[str]) -> None:
-        """Note which inputs have a value now; raises UsageError if one has none."""
-        self._missing.difference_update(given)
-        if self._missing:
-            raise missing_values(self._missing)
+    def _check_inputs(self) -> None:
+        """Take note that all inputs have values; raises UsageError if one has none."""
+        if missing := self._numbers.unset_inputs:
+            raise missing_values(missing)
+        self._has_all_inputs = True
 
     def _step_once(self, duration: float, inputs: Mapping[str, float]) -> Self:
         self._numbers.set_duration(checked_duration("step", duration))
@@ -453,19 +444,13 @@ class Stepper(OwnCopies):
 
 def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
     """Return what takes the steps of a problem, and a note on why they are slow where they are."""
-    steps, notes = _plain_steps(problem, numbers)
+    eqs, reason = problem.settings.moving, why_separate(problem, numbers)
+    may_jump_here = eqs.plans.get("may jump", lambda: may_jump(eqs))
+    has_instants = problem.settings.events or held_later(eqs) or switches(eqs.formed) or may_jump_here
+    kind = SeparateMotions if reason else HybridSteps if has_instants else CompiledSteps
+    steps: Steps = kind(problem, numbers)
+    notes = (f"each step is a separate simulation, which is slow: {reason}",) if reason else ()
     return (FmuSteps(steps, problem, numbers) if problem.settings.fmus else steps), notes
-
-
-def _plain_steps(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
-    reason = why_separate(problem, numbers)
-    if reason:
-        return SeparateMotions(problem, numbers), (
-            f"each step is a separate simulation, which is slow: {reason}",
-        )
-    if problem.settings.events or has_instants(problem.settings.moving):
-        return HybridSteps(problem, numbers), ()
-    return CompiledSteps(problem, numbers), ()
 
 
 def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
@@ -482,11 +467,6 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
         return "some constraints are redundant only where all loops are closed"
     return ""
-
-
-def has_instants(eqs: EquationSet) -> bool:
-    """Return whether more than smooth motion may happen: samples, changes of modes, jumps of rates."""
-    return bool(held_later(eqs)) or switches(eqs.formed) or eqs.plans.get("may jump", lambda: may_jump(eqs))
 
 
 def broken_off(t: float, ending: Ending) -> SimulationError:
