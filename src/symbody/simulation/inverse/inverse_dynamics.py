@@ -115,9 +115,9 @@ def inverse_dynamics(
     others = {**{name: law for name, law in laws_of_tables(eqs).items() if name not in names}, **others}
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
     solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
-    inputs_found = solver.solve(samples := path.samples(t))
-    notes = (*_notes(eqs, names, others, laws, redundant=inputs_found.redundant), *_single_time(times))
-    return _trajectory(solver, samples, inputs_found.values, notes, started)
+    values, redundant = solver.solve(samples := path.samples(t))
+    notes = (*_notes(eqs, names, others, laws, redundant=redundant), *_single_time(times))
+    return _trajectory(solver, samples, values, notes, started)
 
 
 def _trajectory(
@@ -130,7 +130,9 @@ def _trajectory(
     )
     evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
-    count = samples.t.size
+    count, work = samples.t.size, np.zeros_like(samples.t)
+    if count > 1:
+        work = scipy.interpolate.CubicSpline(samples.t, power).antiderivative()(samples.t)
     tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}
     return Trajectory(
         t=samples.t,
@@ -141,7 +143,7 @@ def _trajectory(
         status=Status.SUCCESS,
         statistics=Statistics(count - 1, None, count, perf_counter() - started),
         evaluate=evaluate,
-        stored=dict(zip(solver.names, r, strict=True)) | {"work": _integral(samples.t, power)},
+        stored=dict(zip(solver.names, r, strict=True)) | {"work": work},
         units=eqs.units,
         notes=notes,
         name=eqs.model.name,
@@ -165,7 +167,7 @@ class SolvedInputLaws(InputLaws):
         if key not in self.found:
             columns = [self.solver.path.motion(float(s), x)[1] for s, x in zip(t, q.T, strict=True)]
             samples = samples._replace(udot=np.array(columns).T)
-            self.found[key] = self.solver.solve(samples).values
+            self.found[key] = self.solver.solve(samples)[0]
         return self.solver.arguments(samples, self.found[key])
 
 
@@ -293,10 +295,3 @@ def _single_time(times: ArrayLike) -> tuple[str, ...]:
         return ()
     end = float(np.asarray(times, dtype=np.float64))
     return (f"times={end:g} is a single time; use np.linspace(0, {end:g}, 101) for the motion up to it",)
-
-
-def _integral(t: Floats, power: Floats) -> Floats:
-    """Return the integral of a power since the first time, by a cubic spline."""
-    if t.size < 2:
-        return np.zeros_like(t)
-    return np.asarray(scipy.interpolate.CubicSpline(t, power).antiderivative()(t), dtype=np.float64)

@@ -197,7 +197,8 @@ def motion_laws(
         elif isinstance(table, str | int | float | Formula):
             formulas[name] = table
         elif is_expression(table):
-            formulas[name] = _formula_of(table)
+            graph = Graph()
+            formulas[name] = Formula.from_value(to_text(graph, from_sympy(table, graph)))
         elif callable(table):
             laws[name] = _wrap_function(name, table)
         else:
@@ -205,12 +206,6 @@ def motion_laws(
     if problems:
         raise UsageError(*problems)
     return formulas, laws
-
-
-def _formula_of(law: object) -> Formula:
-    """Return a law that SymPy wrote as a formula."""
-    graph = Graph()
-    return Formula.from_value(to_text(graph, from_sympy(law, graph)))
 
 
 def _table_problems(name: str, table: Table, span: tuple[float, float]) -> list[Problem]:

@@ -13,7 +13,6 @@ from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.javascript_kernels import JAVASCRIPT
@@ -64,8 +63,6 @@ from symbody.simulation.programs.program_function import (
     motion_functions,
     program_function,
 )
-
-Floats = NDArray[np.float64]
 
 _ENERGIES: Final = ("kinetic_energy", "potential_energy")
 _PULL_INTERVAL: Final = 1.0 / 240.0  # seconds between changes of the wrench of a pointer

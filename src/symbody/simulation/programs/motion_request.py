@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
@@ -36,7 +35,6 @@ from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.sweeps.sweep_job import reason_for_python
 
-Floats = NDArray[np.float64]
 Method = Explicit | FixedStep | GeneralizedAlpha
 
 # Ends of the motion that are tried [s]: what depends on time is cut into at most so many pieces up to there.

@@ -147,10 +147,16 @@ def case_table(
         )  # fmt: skip
     entries = {("parameters", name): value for name, value in parameters.items()}
     entries |= {("initial", name): value for name, value in initial.items()}
-    lists = {key: value for key, value in entries.items() if _varies(value)}
+    lists = {
+        key: value
+        for key, value in entries.items()
+        if not (isinstance(value, Samples) or _is_constant(value))
+    }
     drawn = {key: value for key, value in entries.items() if isinstance(value, Samples)}
     columns = _check_columns(lists, combine, bool(drawn), samples)
-    count, each = _count(columns, combine), samples if drawn and samples is not None else 1
+    sizes = [column.size for column in columns.values()]
+    count = math.prod(sizes) if combine == "product" else max(sizes, default=1)
+    each = samples if drawn and samples is not None else 1
     if check is not None:
         check(count * each, len(columns) + len(drawn))
     rows: dict[tuple[str, str], Floats] = {}
@@ -166,10 +172,6 @@ def case_table(
     )
     constants = _constants(parameters), _constants(initial)
     return CaseTable(names["parameters"], names["initial"], first, second, *constants)
-
-
-def _varies(value: Varied) -> bool:
-    return not (isinstance(value, Samples) or _is_constant(value))
 
 
 def _is_constant(value: Varied) -> TypeGuard[Value]:
@@ -236,11 +238,6 @@ def _number(entry: object) -> object:
         number = formula_value(Formula.from_value(plain_value(entry)))
         return math.nan if number is None else as_float(number)
     return entry
-
-
-def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:
-    sizes = [column.size for column in columns.values()]
-    return math.prod(sizes) if combine == "product" else max(sizes, default=1)
 
 
 def _combine(columns: Mapping[tuple[str, str], Floats], combine: str, count: int) -> Iterator[Floats]:

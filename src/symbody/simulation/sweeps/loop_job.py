@@ -48,7 +48,6 @@ Floats = NDArray[np.float64]
 
 # Cases from which on several are computed side by side.
 CASES_THAT_PAY: Final = 256
-_NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,7 +179,12 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         large: Any = first.scales.length, first.scales.time, first.scales.displacements(sweep.eqs)
         sizes = (*sizes[:4], np.column_stack(large))
     job = LoopJob(
-        (derivative, projecting, *_functions(watch, modes)),
+        (
+            derivative,
+            projecting,
+            *((None, None, None) if watch is None else watch.functions),
+            *((None, None) if modes is None else modes.functions),
+        ),
         moving.numbers(derivative),
         projector,
         span,
@@ -206,13 +210,6 @@ def _projection(
     numbers = problem.numbers(function)
     made = make_projector(function, problem.eqs, problem.scales, method, atol, numbers.constants)
     return function, made._replace(inputs=numbers.inputs, parameters=numbers.parameters)
-
-
-def _functions(
-    watch: EventFunctions | None, modes: SwitchingModes | None
-) -> tuple[CompiledFunction | None, ...]:
-    watched = (None, None, None) if watch is None else watch.functions
-    return (*watched, *((None, None) if modes is None else modes.functions))
 
 
 def _happenings(

@@ -182,7 +182,7 @@ class Sweep(Displayed):
             self.speed_names,
             self.status[case],
             Statistics(accepted, rejected, evaluations, 0.0),
-            self.evaluation.of_case(case),
+            self.evaluation.evaluator(case),
             units=self.units,
             notes=(f"case {case}: {values}", *((note,) if note else ()), *self.notes),
             name=self.name,
@@ -303,11 +303,7 @@ class CaseOutputs:
         job = self.job
         return scales_of_cases(self.eqs, job.table, near, job.motion.span, job.scales)
 
-    def of_case(self, case: int) -> Evaluator:
-        """Return what computes the outputs of one case at any times."""
-        return self._evaluator(case, has_scales=True)
-
-    def _evaluator(self, case: int | Places, *, has_scales: bool) -> Evaluator:
+    def evaluator(self, case: int | Places, *, has_scales: bool = True) -> Evaluator:
         """Return what computes the outputs of one case, or of one for each of some samples, in order.
 
         Along all of them modes change or none, and values are held or none; see `_kind`.
@@ -349,7 +345,7 @@ class CaseOutputs:
             own, sample = np.nonzero(is_known[cases])
             every = np.array(cases, dtype=np.intp)[own]
             rows, at = x[every, :, sample].T, t[sample]
-            evaluate = self._evaluator(every, has_scales=name in VIOLATIONS)
+            evaluate = self.evaluator(every, has_scales=name in VIOLATIONS)
             values = evaluate(name, at, rows[n_u:], rows[:n_u])
             if is_counted:
                 values = count_turns(evaluate, name, values, at, rows[n_u:], rows[:n_u])
