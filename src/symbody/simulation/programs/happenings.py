@@ -114,55 +114,37 @@ class Happenings:
         return frozenset(kind for kind, array in arrays.items() if array.size)
 
     @property
+    def kernel_names(self) -> tuple[str, str, str]:
+        """The kernels that begin a motion, try steps, and go on behind a jump."""
+        watched, sampled = ["watched"] * ("events" in self.kinds), ["sampled"] * ("samples" in self.kinds)
+        if "modes" in self.kinds:
+            return "begin_switching", "advance_switching", "pass_switching_jump"
+        if self.implicit.size:
+            first, passing = "begin_implicit", "_".join(["pass_implicit", *watched, "jump"])
+            return first, "_".join(["advance_implicit", *watched]), passing
+        loop = "_".join(["advance", *sampled, *watched])
+        return "_".join(["begin", *sampled]), loop, "pass_watched_jump" if watched else "pass_jump_of_rates"
+
+    @property
     def kernels(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """The kernels that compute such a motion, by their files."""
-        kinds = self.kinds
+        kinds, (first, loop, passing) = self.kinds, self.kernel_names
         if "modes" in kinds:
-            names = ("begin_switching", "advance_switching", "watch_switching", "pass_switching_jump")
+            names = (first, loop, "watch_switching", *[passing] * ("jumps" in kinds))
             rows = ("forget_rows", "rewind_modes", "forget_modes")
-            return (
-                ("switching_motion", names[: 3 + ("jumps" in kinds)]), ("switch_modes", rows),
-                ("event_interruptions", ("forget_steps",)),
-            )  # fmt: skip
+            interruptions = ("event_interruptions", ("forget_steps",))
+            return ("switching_motion", names), ("switch_modes", rows), interruptions
         watched = "watched_motion" if "events" in kinds else "step_machine"
         showing = ["show_watch"] * ({"events", "samples"} <= kinds)
         file = "sampled_motion" if "samples" in kinds else watched
         if self.implicit.size:
             file = "implicit_motion" if {"events", "jumps"} & kinds else "implicit_machine"
-        files = [(file, (self.first_kernel, self.loop_kernel, *showing))]
+        files = [(file, (first, loop, *showing))]
         if "events" in kinds:
             files.append(("event_interruptions", ("forget_steps",)))
         if "jumps" in kinds:
-            files.append((file if self.implicit.size else "struck_motion", (self.jump_kernel,)))
+            files.append((file if self.implicit.size else "struck_motion", (passing,)))
         return tuple(files)
-
-    @property
-    def first_kernel(self) -> str:
-        """The kernel with which a motion begins."""
-        if "modes" in self.kinds:
-            return "begin_switching"
-        if self.implicit.size:
-            return "begin_implicit"
-        return "begin_sampled" if "samples" in self.kinds else "begin"
-
-    @property
-    def loop_kernel(self) -> str:
-        """The kernel that tries steps."""
-        kinds = self.kinds
-        if "modes" in kinds:
-            return "advance_switching"
-        words = ["advance", *["implicit"] * bool(self.implicit.size)]
-        words += [*["sampled"] * ("samples" in kinds), *["watched"] * ("events" in kinds)]
-        return "_".join(words)
-
-    @property
-    def jump_kernel(self) -> str:
-        """The kernel that goes on behind a jump."""
-        if "modes" in self.kinds:
-            return "pass_switching_jump"
-        if self.implicit.size:
-            return "pass_implicit_watched_jump" if self.events else "pass_implicit_jump"
-        return "pass_watched_jump" if self.events else "pass_jump_of_rates"
 
     @property
     def steps(self) -> int:
@@ -333,14 +315,12 @@ def kernel_calls(
         Format of an array as an argument.
     """
     made, f, e = happens.functions, RIGHT_HAND_SIDE, EVENTS
+    first, loop, behind = happens.kernel_names
     watched, sampled = "events" in happens.kinds, "samples" in happens.kinds
     acting = [e, ACTIONS if ACTIONS in made else e, closing if CLOSING in made else e] * watched
     sampling, monitor, happened = [SAMPLES] * sampled, ["monitor"] * watched, ["happened"] * watched
-    held, recorded, record = (
-        ["held", "sampling"] * sampled,
-        ["recorded"] * sampled,
-        ["times", "t", "x", "breaks"],
-    )
+    held, recorded = ["held", "sampling"] * sampled, ["recorded"] * sampled
+    record = ["times", "t", "x", "breaks"]
 
     def call(kernel: str, functions: Iterable[str], arrays: Iterable[str], *numbers: object) -> str:
         words = [f"{PREFIX}{name}" for name in functions]
@@ -364,14 +344,14 @@ def kernel_calls(
         searched, written = ["block", "monitor", *held], ["recorded", "decided"]
         return common | {
             "BEGIN": call(
-                happens.first_kernel, [f, *sampling, *modes], [*searched, "modes", *record, *written]
+                first, [f, *sampling, *modes], [*searched, "modes", *record, *written]
             ),
             "ADVANCE": call(
-                happens.loop_kernel, [f, projection, *acting, *sampling, *modes],
+                loop, [f, projection, *acting, *sampling, *modes],
                 [*searched, "modes", *record, "pieces", "happened", *written], trials,
             ),
             "PASS": call(
-                happens.jump_kernel, [f, STRIKE, e, *modes],
+                behind, [f, STRIKE, e, *modes],
                 [*searched, "jumps", "modes", *record, "pieces", "decided"],
             ),
             "WATCH": call("watch_switching", [e], ["block", "monitor", "held", "modes"]),
@@ -380,10 +360,8 @@ def kernel_calls(
             "FORGET_MODES": call("forget_modes", [], ["modes"]),
         }  # fmt: skip
     return common | {
-        "BEGIN": call(happens.first_kernel, [f, *sampling], ["block", *kept, *held, *record, *recorded]),
-        "ADVANCE": call(
-            happens.loop_kernel, [f, *method, projection, *acting, *sampling], everything, trials
-        ),
-        "PASS": call(happens.jump_kernel, [f, STRIKE, *[e] * watched], passing),
+        "BEGIN": call(first, [f, *sampling], ["block", *kept, *held, *record, *recorded]),
+        "ADVANCE": call(loop, [f, *method, projection, *acting, *sampling], everything, trials),
+        "PASS": call(behind, [f, STRIKE, *[e] * watched], passing),
         "WATCH": call("watch_again", [e], ["block", "monitor"]),
     }

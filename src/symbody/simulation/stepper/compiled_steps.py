@@ -292,8 +292,7 @@ class CompiledSteps:
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""
-        start = self._numbers.t
-        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
+        self._problem.check_tables(self._numbers)
 
     def _look_ahead(self) -> None:
         array = self._numbers.array

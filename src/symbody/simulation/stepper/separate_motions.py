@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
-from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.switching import switching_modes
@@ -86,8 +85,7 @@ class SeparateMotions:
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""
-        start = self._numbers.t
-        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
+        self._problem.check_tables(self._numbers)
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""

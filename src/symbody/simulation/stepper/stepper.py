@@ -162,7 +162,11 @@ class Stepper(OwnCopies):
         )  # fmt: skip
         own = own_laws(settings, start)
         self._input_notes = (
-            *(f"input {name} has no formula and is 0" for name in settings.silent),
+            *(
+                f"input {name} has no formula and is 0"
+                for name in eqs.input_names
+                if name not in {*held, *laws}
+            ),
             *own.notes,
         )
         self._settings, self._names = settings, inputs_read(settings, own)

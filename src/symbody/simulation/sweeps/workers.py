@@ -169,8 +169,7 @@ def compute_there(
     assert workers.executor is not None
     if not chunks:
         return False
-    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener)
-    dispatch.has_results = has_results
+    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener, has_results)
     try:
         dispatch.run()
     except (KeyboardInterrupt, BrokenExecutor):
@@ -188,20 +187,11 @@ class _Dispatch:
     """
 
     def __init__(
-        self,
-        job: LoopJob | SweepJob,
-        chunks: Sequence[Chunk],
-        records: Records,
-        workers: Workers,
-        executor: Executor,
-        listener: Listener,
-    ) -> None:
-        self.has_results = False
-        self._payload = pickle.dumps(job)
-        self._records = records
-        self._threads = workers.threads
-        self._listener = listener
-        self._executor = executor
+        self, job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers,
+        executor: Executor, listener: Listener, has_results: bool,
+    ) -> None:  # fmt: skip
+        self.has_results, self._records, self._listener = has_results, records, listener
+        self._payload, self._threads, self._executor = pickle.dumps(job), workers.threads, executor
         self._queue = list(reversed(chunks))
         self._failures = dict.fromkeys((chunk.first for chunk in chunks), 0)
         self._waiting: dict[Future[Records | str], Chunk] = {}
