@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol, runtime_checkable
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,27 +20,30 @@ from symbody.expr.sequences.sequence import Input, Roots, build_sequence
 from symbody.simulation.native.dense_output import DenseOutput
 
 Floats = NDArray[np.float64]
+Evaluate = Callable[[str, Floats, Floats, Floats], Floats]  # of a name, t, q and u; see `OutputEvaluator`
 
 
-class Evaluate(Protocol):
-    """Computes an output that is not stored."""
+class OutputEvaluator(ABC):
+    """Computes outputs that are not stored; several by one function, which is compiled once."""
+
+    __slots__ = ()
+
+    @property
+    def wrapped_angles(self) -> tuple[str, ...]:
+        """Angles of cut joints, which are given within half a turn."""
+        return ()
 
     def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the output with time last, from t (N,), q (n_q, N) and u (n_u, N)."""
-        ...
+        return self.together((name,), t, q, u)[0]
 
-
-@runtime_checkable
-class EvaluateTogether(Evaluate, Protocol):
-    """Computes several outputs by one function, which is compiled once."""
-
+    @abstractmethod
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return the outputs with time last."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piecewise:
+class Piecewise(OutputEvaluator):
     """Computes outputs by the equations that hold at each time.
 
     Attributes
@@ -53,21 +57,16 @@ class Piecewise:
     """
 
     starts: Floats
-    parts: tuple[Evaluate, ...]
+    parts: tuple[OutputEvaluator, ...]
     work: Floats
 
     @property
     def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
-        found: tuple[str, ...] = getattr(self.parts[0], "wrapped_angles", ()) if self.parts else ()
-        return found
-
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; of two samples at a change the first is of the part before."""
-        return self.together((name,), t, q, u)[0]
+        return self.parts[0].wrapped_angles if self.parts else ()
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
-        """Return outputs with time last, by one function a part; see `__call__`."""
+        """Return outputs with time last; of two samples at a change the first is of the part before."""
         way = -1.0 if self.starts[-1] < self.starts[0] else 1.0
         starts, along = way * self.starts, way * t
         place = np.maximum(np.searchsorted(starts, along, side="right") - 1, 0)
@@ -76,18 +75,12 @@ class Piecewise:
         whole: dict[str, Floats] = {}
         for k in np.unique(place):
             inside = place == k
-            computed = _outputs(self.parts[k], names, t[inside], q[:, inside], u[:, inside])
+            computed = self.parts[k].together(names, t[inside], q[:, inside], u[:, inside])
             for name, values in zip(names, computed, strict=True):
                 shape = values.shape[:-1]
                 array = whole.setdefault(name, np.empty((*shape, t.size)))
                 array[..., inside] = values + self.work[k] if name == "work" else values
         return [whole.get(name, np.empty((0,))) for name in names]
-
-
-def _outputs(part: Evaluate, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
-    if isinstance(part, EvaluateTogether):
-        return part.together(names, t, q, u)
-    return [part(name, t, q, u) for name in names]
 
 
 # Points within a step: between two of them the angle and its rate change little, however long the step is.

@@ -18,6 +18,7 @@ from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
+from symbody.simulation.results.evaluate import OutputEvaluator
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.single_flight import SingleFlight
@@ -31,7 +32,7 @@ _ENERGIES: Final = ("energy", "kinetic_energy", "potential_energy")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recomputation:
+class Recomputation(OutputEvaluator):
     """Computes outputs of a motion that was read from a file; the first one forms the equations.
 
     Attributes
@@ -55,15 +56,11 @@ class Recomputation:
         """Angles of cut joints, which are given within half a turn."""
         return self._made.get(None, self._evaluator).wrapped_angles
 
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; q is (n_q, N), u is (n_u, N).
-
-        Raises UsageError if it cannot be computed from the file.
-        """
-        return self.together((name,), t, q, u)[0]
-
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
-        """Return outputs with time last, all from one compiled function; see `__call__`."""
+        """Return outputs with time last, all from one compiled function.
+
+        Raises UsageError if one cannot be computed from the file.
+        """
         for name in names:
             self._check(name)
         computed = self._made.get(None, self._evaluator).together(names, t, q, u)

@@ -33,7 +33,7 @@ from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
 from symbody.simulation.results.evaluate import (
     Evaluate,
-    EvaluateTogether,
+    OutputEvaluator,
     count_turns,
     evaluate_samples,
     formula_of_samples,
@@ -229,7 +229,7 @@ class Trajectory(SampleTable):
         values = {name: self._stored_values(name) for name in names}
         of_samples = {name for name in names if formula_of_samples(name, self.stored) is not None}
         missing = [name for name, array in values.items() if array is None and name not in of_samples]
-        if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
+        if len(missing) < 2 or not isinstance(self.evaluate, OutputEvaluator):
             return {name: self[name] for name in names}
         samples, evaluate = (np.atleast_1d(self.t), *self.state_arrays()), self.evaluate
         computed = zip(missing, evaluate.together(missing, *samples), strict=True)
