@@ -18,6 +18,7 @@ from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.simulation.programs.free_states import free_states
 from symbody.simulation.programs.program_function import ProgramFunction
 
+_RATE_UNITS: Final = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2"}
 VIOLATION: Final = "largest position constraint over the size of the mechanism, 0 for open mechanisms"
 
 
@@ -108,15 +109,11 @@ def _rates(program: FmuProgram) -> Iterator[FmuVariable]:
     eqs = program.eqs
     depends = _dependencies(program, program.functions["slope"])
     for k, name in enumerate(eqs.state_names):
-        unit = eqs.units.get(f"{name}_dot") or _rate_unit(eqs.units.get(name, ""))
+        unit = eqs.units.get(f"{name}_dot") or _RATE_UNITS.get(eqs.units.get(name, ""), "")
         yield FmuVariable(
             rate_name(name), "local", "continuous", "calculated", None, unit, f"time derivative of {name}",
             derivative=1 + k, dependencies=depends[k],
         )  # fmt: skip
-
-
-def _rate_unit(unit: str) -> str:
-    return {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2"}.get(unit, "")
 
 
 def _inputs(program: FmuProgram) -> Iterator[FmuVariable]:
@@ -178,24 +175,21 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
     if program.events:
         depends = _dependencies(program, program.functions["indicators"])[: len(program.events)]
         for event, read in zip(program.events, depends, strict=True):
-            yield _indicator(
-                f"event.{variable_name(event.label)}", f"passes zero at event {event.label}", read
-            )
+            words = f"passes zero at event {event.label}"
+            name = f"event.{variable_name(event.label)}"
+            yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     if program.conditions:
         depends = _dependencies(program, program.functions["sides"])
         for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
-            yield _indicator(f"condition[{k}]", words, read)
+            name = f"condition[{k}]"
+            yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
     ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
     for words, name in ends:
         yield FmuVariable(
             f"mode_end.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"
         )
-
-
-def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:
-    return FmuVariable(name, "local", "continuous", description=words, dependencies=read)
 
 
 def _dependencies(program: FmuProgram, function: ProgramFunction) -> list[tuple[tuple[int, str], ...]]:

@@ -226,9 +226,22 @@ def _check_questions(
         for name in ropes(eqs.formed)
     ]  # fmt: skip
     if eqs.signal_state_names:
-        problems.append(_moving_signals(eqs))
+        problems.append(
+            Problem("inverse.signals", f"signal {eqs.signal_state_names[0]}",
+                    "the motion of the mechanism does not determine the states of signals "
+                    f"{', '.join(eqs.signal_state_names)}",
+                    "they have their own rates, which may depend on the unknown inputs",
+                    "replace the signals by an input and solve for it, or simulate with the signals")
+        )  # fmt: skip
     if eqs.formed.light_balances:
-        problems.append(_moving_light(eqs))
+        names = [speed.label for speed in eqs.formed.light_balances]
+        problems.append(
+            Problem("inverse.first_order", f"speed {names[0]}",
+                    f"{', '.join(names)} has no mass: dampers determine how fast it moves, and its position "
+                    f"depends on its history",
+                    "forces determine it, so it cannot be prescribed",
+                    "give mass to what moves there, or simulate with known inputs")
+        )  # fmt: skip
     elif eqs.formed.dependent_names:
         problems.append(
             Problem("inverse.dependent_speeds", "eqs",
@@ -239,27 +252,6 @@ def _check_questions(
     if problems:
         raise UsageError(*problems)
     refuse_held(eqs, "inverse dynamics", {*unknowns, *inputs})
-
-
-def _moving_light(eqs: EquationSet) -> Problem:
-    names = [speed.label for speed in eqs.formed.light_balances]
-    return Problem(
-        "inverse.first_order", f"speed {names[0]}",
-        f"{', '.join(names)} has no mass: dampers determine how fast it moves, and its position depends on "
-        f"its history",
-        "forces determine it, so it cannot be prescribed",
-        "give mass to what moves there, or simulate with known inputs",
-    )  # fmt: skip
-
-
-def _moving_signals(eqs: EquationSet) -> Problem:
-    listed = ", ".join(eqs.signal_state_names)
-    return Problem(
-        "inverse.signals", f"signal {eqs.signal_state_names[0]}",
-        f"the motion of the mechanism does not determine the states of signals {listed}",
-        "they have their own rates, which may depend on the unknown inputs",
-        "replace the signals by an input and solve for it, or simulate with the signals",
-    )  # fmt: skip
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:
