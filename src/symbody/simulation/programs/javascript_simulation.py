@@ -102,8 +102,8 @@ _HAPPENED: Final = 64  # room for what happens, at first
 
 
 @dataclass(frozen=True, slots=True)
-class ViewOutputs:
-    """How the poses of bodies are computed.
+class PageView:
+    """How the poses of bodies are computed, and how strongly a pointer pulls them.
 
     Attributes
     ----------
@@ -111,25 +111,15 @@ class ViewOutputs:
         Positions of all bodies from those that each is placed from, then all rotation matrices.
     parents, order : tuple of int
         Of each body another one, or -1 for ground; the bodies, each after its parent.
-    """
-
-    outputs: tuple[str, ...]
-    parents: tuple[int, ...]
-    order: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class PointerSpring:
-    """How strongly a pointer pulls.
-
-    Attributes
-    ----------
     mass : float
         Of all bodies [kg]: no point is taken as heavier.
     frequency : float
         Of a held point on its spring [rad/s].
     """
 
+    outputs: tuple[str, ...]
+    parents: tuple[int, ...]
+    order: tuple[int, ...]
     mass: float
     frequency: float
 
@@ -160,9 +150,7 @@ class SimulationText:
         return f"(() => {{\n{self.body}\nglobalThis.symbodySimulation = makeSimulation;\n}})();\n"
 
 
-def javascript_simulation(
-    eqs: EquationSet, request: MotionRequest, view: ViewOutputs, spring: PointerSpring
-) -> SimulationText:
+def javascript_simulation(eqs: EquationSet, request: MotionRequest, view: PageView) -> SimulationText:
     """Return a simulation as JavaScript.
 
     Raises UsageError if the request needs Python or an implicit integrator; see `MotionRequest`.
@@ -190,7 +178,7 @@ def javascript_simulation(
         kernels |= read_kernels(file, *roots)
     for function in functions.values():
         kernels |= function.kernels
-    numbers = _numbers(motion, functions, view, spring, happens)
+    numbers = _numbers(motion, functions, view, happens)
     numbers |= {"block": block, **_happening_numbers(happens)}
     parts = [
         '"use strict";', kernel_text(kernels, JAVASCRIPT), _table(functions), _calls(happens, functions),
@@ -251,9 +239,8 @@ def _happening_numbers(happens: Happenings) -> dict[str, Any]:
 
 
 def _numbers(
-    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: ViewOutputs, spring: PointerSpring,
-    happens: Happenings,
-) -> dict[str, Any]:  # fmt: skip
+    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: PageView, happens: Happenings
+) -> dict[str, Any]:
     names = motion.input_names
     wrench = motion.wrench
     pull = None
@@ -261,7 +248,7 @@ def _numbers(
         pull = {
             "wrench": [names.index(name) for name in wrench.components],
             "weights": [names.index(name) for name in wrench.weights],
-            "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
+            "mass": view.mass, "frequency": view.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
     records = dict(_RECORDS)
     for kind in sorted(happens.kinds):
