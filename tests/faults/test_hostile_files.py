@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.simulation.sweeps.store import Store
+from symbody.simulation.sweeps.records import Store
 from tests.faults.argument_calls import ROOT, model
 
 KEEPS = 4 * 2**20  # bytes: a thousand times the files here

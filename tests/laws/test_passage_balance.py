@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 import symbody as sb
 from symbody.analysis.scales import mechanism_scales
 from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.closed_loops.change_point import passage_balance
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.results.motion_balance import passage_balance
 from symbody.simulation.simulation_problem import SimulationProblem
 
 RTOL = 1e-8

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.simulation.inputs import choice_trees
+from symbody.simulation.inputs import time_functions as functions_of_time
 from symbody.simulation.inputs.breakpoints import Breakpoints, find_breakpoints
 from symbody.simulation.inputs.time_functions import time_functions
 
@@ -44,7 +44,7 @@ def test_the_pieces_are_those_of_the_choices(
     points = [(float(x), float(y)) for x, y in zip(places, rng.uniform(-1, 1, 40), strict=True)]
     slopes = np.array([1.0, 0.4, 1.7])
     folded, few = pieces(argument, points, slopes)
-    monkeypatch.setattr(choice_trees, "_FEWEST", 10**9)
+    monkeypatch.setattr(functions_of_time, "_FEWEST", 10**9)
     plain, many = pieces(argument, points, slopes)
     assert few < many / 4
     for one, two in zip(folded, plain, strict=True):
@@ -55,7 +55,7 @@ def test_the_pieces_are_those_of_the_choices(
 
 
 def test_values_at_bounds_and_beyond() -> None:
-    steps = choice_trees.StepFunction(0, np.array([0.0, 1.0, 2.0]), np.array([5.0, 6.0, 7.0, 8.0]))
+    steps = functions_of_time.StepFunction(0, np.array([0.0, 1.0, 2.0]), np.array([5.0, 6.0, 7.0, 8.0]))
     np.testing.assert_array_equal(
         steps.evaluate(np.array([-1.0, 0.0, 0.5, 1.0, 2.0, 9.0, np.nan])), [5, 6, 6, 7, 8, 8, 8]
     )

@@ -7,7 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import SimulationError
-from symbody.simulation.inputs.chebyshev import NODES
+from symbody.simulation.inputs.steepness import NODES
 from tests.simulation.test_events import ball, times_of
 
 

@@ -16,9 +16,8 @@ import pytest
 import symbody as sb
 from symbody.errors import UsageError
 from symbody.simulation.programs.javascript_simulation import (
-    PointerSpring,
+    PageView,
     SimulationText,
-    ViewOutputs,
     javascript_simulation,
 )
 from symbody.simulation.programs.motion_request import MotionRequest
@@ -41,8 +40,8 @@ def program(eqs: sb.EquationSet, **words: Any) -> SimulationText:
     trees = eqs.formed.topology
     inside = trees.rotation_branches & trees.translation_branches
     chain = chain_of(eqs.model, [body.name for body in eqs.model.bodies], inside=inside)
-    view = ViewOutputs(chain.outputs, chain.parents, chain.order)
-    return javascript_simulation(eqs, MotionRequest(**words), view, PointerSpring(10.0, 12.0))
+    view = PageView(chain.outputs, chain.parents, chain.order, 10.0, 12.0)
+    return javascript_simulation(eqs, MotionRequest(**words), view)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ import symbody as sb
 from symbody.codegen.llvm.kernel_library import compile_trees
 from symbody.simulation.native.run import NativeRun, fresh_record
 from symbody.simulation.programs import generate_simulation as generation
-from symbody.simulation.programs.prepared_motion import PreparedMotion
+from symbody.simulation.programs.generate_simulation import PreparedMotion
 from symbody.simulation.programs.program_function import PROJECTION, RIGHT_HAND_SIDE
 from tests.simulation.loops import example
 

@@ -13,8 +13,7 @@ import pytest
 import symbody as sb
 from symbody.model import resolve_parameters
 from symbody.simulation.programs.javascript_simulation import (
-    PointerSpring,
-    ViewOutputs,
+    PageView,
     javascript_simulation,
 )
 from symbody.simulation.programs.motion_request import MotionRequest
@@ -221,9 +220,9 @@ def test_a_page_and_a_stepper_close_alike(name: str, length: str, share: float, 
     value = share * float(resolve_parameters(eqs.model)[length])
     inside = eqs.formed.topology.rotation_branches & eqs.formed.topology.translation_branches
     chain = chain_of(eqs.model, [body.name for body in eqs.model.bodies], inside=inside)
-    view = ViewOutputs(chain.outputs, chain.parents, chain.order)
+    view = PageView(chain.outputs, chain.parents, chain.order, 10.0, 12.0)
     request = MotionRequest(tunable=(length,))
-    text = javascript_simulation(eqs, request, view, PointerSpring(10.0, 12.0))
+    text = javascript_simulation(eqs, request, view)
     (tmp_path / "simulation.mjs").write_text(text.module, encoding="utf-8")
     script = 'import { makeSimulation } from "./simulation.mjs";\nconst s = makeSimulation();\n'
     script += f'const ok = s.setParameter("{length}", {value!r});\n'

@@ -11,8 +11,8 @@ from symbody.cli.forming import form_file
 from symbody.cli.options import Force, Initials, ModelFile, Pairs, Settings, Substitute, Tree, option
 from symbody.cli.overwriting import refuse_overwriting
 from symbody.cli.settings import Settled, read_pairs
+from symbody.fmu.binaries import Version
 from symbody.fmu.export import save_fmu
-from symbody.fmu.versions import Version
 
 
 def fmu(

@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from symbody.errors import CompileError, EnvironmentFault, Problem, UsageError, nearest
 
@@ -73,10 +73,7 @@ def own_platform() -> Platform | None:
 def choose_platforms(asked: str | Iterable[str] | None, version: str) -> tuple[Platform, ...]:
     """Return the platforms to compile for: by default this machine's own.
 
-    Raises
-    ------
-    UsageError
-        If a name is unknown, or the version of the standard has no name for it.
+    Raises UsageError if a name is unknown, or the version of the standard has no name for it.
     """
     if asked is None:
         own = own_platform()
@@ -100,18 +97,14 @@ def compile_libraries(
 ) -> tuple[dict[Platform, bytes], tuple[str, ...]]:
     """Return the library of each platform, and notes on what could not be made.
 
+    Raises UsageError, EnvironmentFault if a platform is asked for that is unknown, or that no compiler here
+    makes; CompileError if a compiler refuses the text.
+
     Parameters
     ----------
     sources : mapping of file name to content
     main : str
         The file that includes all others.
-
-    Raises
-    ------
-    UsageError, EnvironmentFault
-        If a platform is asked for that is unknown, or that no compiler here makes.
-    CompileError
-        If a compiler refuses the text.
     """
     chosen = choose_platforms(asked, version)
     commands = {each: compiler_for(each) for each in chosen}
@@ -162,3 +155,23 @@ def _compile(sources: Mapping[str, bytes], main: str, target: Platform, command:
                         "try another compiler, or platforms=() for an archive of sources")
             )  # fmt: skip
         return (Path(folder) / library).read_bytes()
+
+
+Version = Literal["2.0", "3.0"]
+
+# The file of C that includes all others.
+MAIN: Final[Mapping[str, str]] = {"2.0": "fmi2.c", "3.0": "fmi3.c"}
+CORE: Final = (
+    "motion.h",
+    "conditions.h",
+    "results.h",
+    "modes.h",
+    "events.h",
+    "samples.h",
+    "steps.h",
+    "instance.h",
+)
+HEADERS: Final[Mapping[str, tuple[str, ...]]] = {
+    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}

@@ -1,169 +1,106 @@
-"""`modelDescription.xml` of both standards, and `buildDescription.xml`."""
+"""`modelDescription.xml` of both standards with units of base units, and `buildDescription.xml`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 from xml.etree import ElementTree as xml
 
 import symbody
-from symbody.fmu.units import DEGREES, DISPLAYED, known_units
+from symbody.equations.outputs.dimensions import read_unit
+from symbody.fmu.binaries import Version
+from symbody.fmu.program import SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable
 
 CATEGORIES: Final = {
     "logStatusError": "what went wrong, and what to do", "logEvents": "events as they happen",
 }  # fmt: skip
+# What each standard says of both kinds of use.
+_KINDS: Final[Mapping[Version, Mapping[str, Mapping[str, str]]]] = {
+    "2.0": {
+        "ModelExchange": {"completedIntegratorStepNotNeeded": "false"},
+        "CoSimulation": {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "false"},
+    },
+    "3.0": {
+        "ModelExchange": {"needsCompletedIntegratorStep": "true"},
+        "CoSimulation": {
+            "canHandleVariableCommunicationStepSize": "true", "hasEventMode": "false",
+            "canReturnEarlyAfterIntermediateUpdate": "false", "providesIntermediateUpdate": "false",
+        },
+    },
+}  # fmt: skip
+DEGREES: Final = 180.0 / math.pi
+# Shown in degrees; the values stay in radians.
+DISPLAYED: Final[Mapping[str, str]] = {"rad": "deg", "rad/s": "deg/s"}
 Attributes = dict[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Described:
-    """What a description says of an FMU.
-
-    Attributes
-    ----------
-    name, description : str
-        Of the model.
-    identifier : str
-        Beginning of file names.
-    token : str
-        What an importer hands back at instantiation.
-    variables : tuple of FmuVariable
-        In the order of their value references.
-    event_count : int
-        How many of the last variables are event indicators.
-    stop : float
-        End of the default experiment [s].
-    tolerance : float
-        Of the default experiment.
-    has_derivatives : bool
-        Whether directional derivatives are there.
-    """
-
-    name: str
-    description: str
-    identifier: str
-    token: str
-    variables: tuple[FmuVariable, ...]
-    event_count: int
-    stop: float
-    tolerance: float
-    has_derivatives: bool
-
-    @property
-    def scalar_variables(self) -> tuple[FmuVariable, ...]:
-        """The variables without event indicators."""
-        return self.variables[: len(self.variables) - self.event_count]
-
-    @property
-    def initial_unknowns(self) -> list[int]:
-        """Value references of what follows at the end of initialization."""
-        return [
-            k for k, variable in enumerate(self.variables)
-            if variable.initial == "calculated"
-        ]  # fmt: skip
-
-
-def description_3(model: Described) -> bytes:
-    """Return modelDescription.xml of FMI 3.0."""
+def model_description(
+    program: FmuProgram, variables: Sequence[FmuVariable], identifier: str, token: str, version: Version,
+    sources: Sequence[str],
+) -> bytes:  # fmt: skip
+    """Return modelDescription.xml; FMI 2.0 lists in it the `sources` to compile."""
+    is_2, name = version == "2.0", program.eqs.model.name
     root = xml.Element("fmiModelDescription", {
-        "fmiVersion": "3.0", "modelName": model.name, "instantiationToken": model.token,
-        "description": model.description, "generationTool": f"symbody {symbody.__version__}",
+        "fmiVersion": version, "modelName": name, "guid" if is_2 else "instantiationToken": token,
+        "description": f"multibody model {name}", "generationTool": f"symbody {symbody.__version__}",
         "variableNamingConvention": "structured",
+        **({"numberOfEventIndicators": str(program.indicator_count)} if is_2 else {}),
     })  # fmt: skip
+    state, plural = ("state", "") if is_2 else ("State", "s")
     common = {
-        "modelIdentifier": model.identifier,
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-    }
-    common |= {"providesDirectionalDerivatives": _word(model.has_derivatives)}
-    xml.SubElement(root, "ModelExchange", common | {"needsCompletedIntegratorStep": "true"})
-    xml.SubElement(root, "CoSimulation", common | {
-        "canHandleVariableCommunicationStepSize": "true", "hasEventMode": "false",
-        "canReturnEarlyAfterIntermediateUpdate": "false", "providesIntermediateUpdate": "false",
-    })  # fmt: skip
-    _units(root, model)
-    _categories(root, "name")
-    _experiment(root, model)
-    variables = xml.SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(model.variables):
-        attributes = _head(variable, reference) | _real(variable)
-        if variable.derivative is not None:
-            attributes["derivative"] = str(variable.derivative)
-        xml.SubElement(variables, "Float64", attributes)
-    _structure_3(root, model)
-    return _document(root)
-
-
-def _structure_3(root: xml.Element, model: Described) -> None:
-    structure = xml.SubElement(root, "ModelStructure")
-    kinds = [
-        ("Output", [k for k, v in enumerate(model.variables) if v.causality == "output"]),
-        ("ContinuousStateDerivative", [k for k, v in enumerate(model.variables) if v.derivative is not None]),
-    ]
-    for word, references in kinds:
-        for k in references:
-            xml.SubElement(structure, word, {"valueReference": str(k)} | _dependencies(model.variables[k], 0))
-    for k in model.initial_unknowns:
-        xml.SubElement(structure, "InitialUnknown", {"valueReference": str(k)})
-    for k in range(len(model.scalar_variables), len(model.variables)):
-        attributes = {"valueReference": str(k)} | _dependencies(model.variables[k], 0)
-        xml.SubElement(structure, "EventIndicator", attributes)
-
-
-def description_2(model: Described, sources: Iterable[str]) -> bytes:
-    """Return modelDescription.xml of FMI 2.0; `sources` are the files to compile."""
-    root = xml.Element("fmiModelDescription", {
-        "fmiVersion": "2.0", "modelName": model.name, "guid": model.token, "description": model.description,
-        "generationTool": f"symbody {symbody.__version__}", "variableNamingConvention": "structured",
-        "numberOfEventIndicators": str(model.event_count),
-    })  # fmt: skip
-    common = {
-        "modelIdentifier": model.identifier,
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-    }
-    common |= {"providesDirectionalDerivative": _word(model.has_derivatives)}
-    files = tuple(sources)
-    for word, further in (
-        ("ModelExchange", {"completedIntegratorStepNotNeeded": "false"}),
-        ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "false"}),
-    ):
-        kind = xml.SubElement(root, word, common | further)
-        if files:
+        "modelIdentifier": identifier, f"canGetAndSetFMU{state}": "true", f"canSerializeFMU{state}": "true",
+        f"providesDirectionalDerivative{plural}": "true" if "derivatives" in program.functions else "false",
+    }  # fmt: skip
+    for word, further in _KINDS[version].items():
+        kind = xml.SubElement(root, word, {**common, **further})
+        if is_2 and sources:
             listed = xml.SubElement(kind, "SourceFiles")
-            for file in files:
+            for file in sources:
                 xml.SubElement(listed, "File", {"name": file})
-    _units(root, model)
-    _categories(root, "name")
-    _experiment(root, model)
-    variables = xml.SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(model.scalar_variables):
-        entry = xml.SubElement(variables, "ScalarVariable", _head(variable, reference))
-        attributes = _real(variable)
+    _units(root, variables)
+    group = xml.SubElement(root, "LogCategories")
+    for category, text in CATEGORIES.items():
+        xml.SubElement(group, "Category", {"name": category, "description": text})
+    experiment = {
+        "startTime": "0.0",
+        "stopTime": repr(SPAN),
+        "tolerance": repr(program.motion.integration.rtol),
+    }
+    xml.SubElement(root, "DefaultExperiment", experiment)
+    scalars = variables[: len(variables) - program.indicator_count]
+    group = xml.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(scalars if is_2 else variables):
+        head, real = _head(variable, reference), _real(variable)
         if variable.derivative is not None:
-            attributes["derivative"] = str(variable.derivative + 1)
-        xml.SubElement(entry, "Real", attributes)
-    _structure_2(root, model)
+            real["derivative"] = str(variable.derivative + is_2)
+        if is_2:
+            xml.SubElement(xml.SubElement(group, "ScalarVariable", head), "Real", real)
+        else:
+            xml.SubElement(group, "Float64", head | real)
+    _structure(xml.SubElement(root, "ModelStructure"), variables, len(scalars), is_2=is_2)
     return _document(root)
 
 
-def _structure_2(root: xml.Element, model: Described) -> None:
-    structure = xml.SubElement(root, "ModelStructure")
-    kinds = [
-        ("Outputs", [k for k, v in enumerate(model.scalar_variables) if v.causality == "output"]),
-        ("Derivatives", [k for k, v in enumerate(model.scalar_variables) if v.derivative is not None]),
-    ]
-    for word, references in kinds:
-        if references:
-            group = xml.SubElement(structure, word)
-            for k in references:
-                xml.SubElement(group, "Unknown", {"index": str(k + 1)} | _dependencies(model.variables[k], 1))
-    if model.initial_unknowns:
-        group = xml.SubElement(structure, "InitialUnknowns")
-        for k in model.initial_unknowns:
-            xml.SubElement(group, "Unknown", {"index": str(k + 1)})
+def _structure(
+    structure: xml.Element, variables: Sequence[FmuVariable], scalar_count: int, *, is_2: bool
+) -> None:
+    """Add outputs, rates, what follows at the end of initialization, and in FMI 3.0 event indicators."""
+    outputs = [k for k, variable in enumerate(variables) if variable.causality == "output"]
+    rates = [k for k, variable in enumerate(variables) if variable.derivative is not None]
+    unknowns = [k for k, variable in enumerate(variables) if variable.initial == "calculated"]
+    kinds = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": unknowns}
+    if is_2:
+        kinds = {"Outputs": outputs, "Derivatives": rates, "InitialUnknowns": unknowns}
+    else:
+        kinds["EventIndicator"] = list(range(scalar_count, len(variables)))
+    for word, references in kinds.items():
+        group = xml.SubElement(structure, word) if is_2 and references else structure
+        for k in references:
+            reference = {"index": str(k + 1)} if is_2 else {"valueReference": str(k)}
+            depends = {} if references is unknowns else _dependencies(variables[k], int(is_2))
+            xml.SubElement(group, "Unknown" if is_2 else word, reference | depends)
 
 
 def build_description(identifier: str, file: str) -> bytes:
@@ -210,8 +147,8 @@ def _dependencies(variable: FmuVariable, shift: int) -> Attributes:
     }
 
 
-def _units(root: xml.Element, model: Described) -> None:
-    powers = known_units(variable.unit for variable in model.variables)
+def _units(root: xml.Element, variables: Iterable[FmuVariable]) -> None:
+    powers = known_units(variable.unit for variable in variables)
     if not powers:
         return
     group = xml.SubElement(root, "UnitDefinitions")
@@ -222,27 +159,30 @@ def _units(root: xml.Element, model: Described) -> None:
             xml.SubElement(entry, "DisplayUnit", {"name": DISPLAYED[unit], "factor": repr(DEGREES)})
 
 
-def _categories(root: xml.Element, word: str) -> None:
-    group = xml.SubElement(root, "LogCategories")
-    for name, text in CATEGORIES.items():
-        xml.SubElement(group, "Category", {word: name, "description": text})
-
-
-def _experiment(root: xml.Element, model: Described) -> None:
-    attributes = {"startTime": "0.0", "stopTime": repr(model.stop), "tolerance": repr(model.tolerance)}
-    xml.SubElement(root, "DefaultExperiment", attributes)
-
-
-def _word(value: bool) -> str:
-    return "true" if value else "false"
-
-
 def _document(root: xml.Element) -> bytes:
     xml.indent(root)
     text: bytes = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
     return text + b"\n"
 
 
-def interface_of(variables: Sequence[FmuVariable]) -> str:
-    """Return a text that is the same for the same interface."""
-    return "\n".join(repr(variable) for variable in variables)
+def unit_exponents(unit: str) -> Mapping[str, int] | None:
+    """Return the exponents of kg, m, s, rad in a unit; None where it is not a product of whole powers.
+
+    >>> dict(unit_exponents("N m"))
+    {'kg': 1, 'm': 2, 's': -2}
+    """
+    dimension = read_unit(unit)
+    if dimension is None:
+        return None
+    if dimension.kg or dimension.m:  # radians count in pure angles and their rates only
+        dimension = dimension.without_angle
+    powers = {"kg": dimension.kg, "m": dimension.m, "s": dimension.s, "rad": dimension.rad}
+    if any(power.denominator != 1 for power in powers.values()):
+        return None
+    return {name: int(power) for name, power in powers.items() if power}
+
+
+def known_units(units: Iterable[str]) -> dict[str, Mapping[str, int]]:
+    """Return the exponents of each unit that has them, in the order of the names."""
+    made = {unit: unit_exponents(unit) for unit in sorted(set(units)) if unit}
+    return {unit: powers for unit, powers in made.items() if powers is not None}

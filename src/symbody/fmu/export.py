@@ -17,21 +17,15 @@ from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
-from symbody.fmu.binaries import Platform, compile_libraries
+from symbody.fmu.binaries import CORE, HEADERS, MAIN, Platform, Version, compile_libraries
 from symbody.fmu.descriptions import (
-    Described,
     build_description,
-    description_2,
-    description_3,
-    interface_of,
+    model_description,
 )
-from symbody.fmu.forming import make_program
 from symbody.fmu.model_text import model_text
-from symbody.fmu.names import identifier
 from symbody.fmu.parameters import fmu_parameters
-from symbody.fmu.program import SPAN, FmuProgram
-from symbody.fmu.variables import FmuVariable, fmu_variables
-from symbody.fmu.versions import CORE, HEADERS, MAIN, Version
+from symbody.fmu.program import FmuProgram, make_program
+from symbody.fmu.variables import FmuVariable, fmu_variables, identifier
 from symbody.formats.writing import write_content
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.methods.constraints import Baumgarte, Projection
@@ -173,14 +167,8 @@ def save_fmu(
 def _write(
     program: FmuProgram, file: Path, version: Version, platforms: str | Iterable[str] | None, sources: bool
 ) -> Fmu:
-    """Write the archive of a program."""
     variables = fmu_variables(program)
     token = _token(program, variables, version)
-    name = program.eqs.model.name
-    described = Described(
-        name, f"multibody model {name}", identifier(file.stem), token, variables, program.indicator_count,
-        SPAN, program.rtol, "derivatives" in program.functions,
-    )  # fmt: skip
     text = _source_files(program, variables, token, version)
     libraries, notes = compile_libraries(text, MAIN[version], platforms, version)
     if not libraries and not sources:
@@ -188,7 +176,10 @@ def _write(
             Problem("fmu.empty", "sources", "the archive would hold neither sources nor a library", "",
                     "use sources=True, or name platforms for which there is a compiler")
         )  # fmt: skip
-    content = _content(described, text if sources else {}, libraries, version)
+    stem, kept = identifier(file.stem), text if sources else {}
+    listed = [MAIN[version]] if kept else []
+    about = model_description(program, variables, stem, token, version, listed)
+    content = {"modelDescription.xml": about, **_content(stem, kept, libraries, version)}
     write_content(file, _archive(content), keep=False)
     notes += ((_ADVICE,) if len(program.x0) else ()) + program.jumps.notes + _notes_of_inputs(program)
     return Fmu(file, version, tuple(each.name for each in libraries), variables, notes)
@@ -216,7 +207,6 @@ def _check_path(file: Path) -> None:
 def _source_files(
     program: FmuProgram, variables: tuple[FmuVariable, ...], token: str, version: str
 ) -> dict[str, bytes]:
-    """Return the C of an FMU by file name."""
     package = files(__package__)
     made = {name: (package / "core" / name).read_bytes() for name in (MAIN[version], *CORE)}
     made |= {name: (package / "headers" / name).read_bytes() for name in HEADERS[version]}
@@ -224,20 +214,15 @@ def _source_files(
 
 
 def _content(
-    described: Described, text: Mapping[str, bytes], libraries: Mapping[Platform, bytes], version: str
+    stem: str, text: Mapping[str, bytes], libraries: Mapping[Platform, bytes], version: Version
 ) -> dict[str, bytes]:
-    """Return the files of the archive."""
-    main = MAIN[version]
-    if version == "2.0":
-        made = {"modelDescription.xml": description_2(described, [main] if text else [])}
-    else:
-        made = {"modelDescription.xml": description_3(described)}
-        if text:
-            made["sources/buildDescription.xml"] = build_description(described.identifier, main)
+    made = {}
+    if text and version == "3.0":
+        made["sources/buildDescription.xml"] = build_description(stem, MAIN[version])
     made |= {f"sources/{name}": content for name, content in text.items()}
     for each, content in libraries.items():
         folder = each.name_2 if version == "2.0" else each.name
-        made[f"binaries/{folder}/{described.identifier}{each.suffix}"] = content
+        made[f"binaries/{folder}/{stem}{each.suffix}"] = content
     if text:
         made[_LICENCE] = (files(__package__) / "headers" / "LICENSE.txt").read_bytes()
     return made
@@ -257,7 +242,7 @@ def _archive(content: Mapping[str, bytes]) -> bytes:
 
 def _token(program: FmuProgram, variables: tuple[FmuVariable, ...], version: str) -> str:
     """Return a word that changes with the interface and with what is computed."""
-    words = [symbody.__version__, version, interface_of(variables)]
+    words = [symbody.__version__, version, "\n".join(map(repr, variables))]
     words += [str(function.sequence.word) for function in program.functions.values()]
     digest = hashlib.sha256("\n".join(words).encode()).hexdigest()
     return "{" + "-".join([digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]]) + "}"

@@ -53,10 +53,8 @@ class FmuJumps:
 def find_jumps(motion: PosedMotion, parameters: FmuParameters) -> FmuJumps:
     """Return the jumps of prescribed rates.
 
-    Raises
-    ------
-    UsageError
-        If a prescribed position jumps, or dry friction depends on reactions, which are infinite then.
+    Raises UsageError if a prescribed position jumps, or dry friction depends on reactions, which are infinite
+    then.
     """
     eqs, problem, start = motion.eqs, motion.integration.problem, motion.span[0]
     corners = corners_in_time(eqs)

@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from symbody.codegen.kernels.c_kernels import PREAMBLE, C
+from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
-from symbody.fmu.functions import Floats
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
@@ -27,9 +27,12 @@ from symbody.kernels.modes.mode_state import SETTLED
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch, SwitchingElement
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
+from symbody.simulation.methods.constraints import residual_share
+from symbody.simulation.native.description import Floats
 
 # Constraints open by more than this share of their size are closed at the end of an importer's step.
 OPEN: Final = 2e-7
+_MECHANISM: Final = f"{PREFIX}{FUNCTION}"  # begins the names of its functions in C
 _LAST_STEPS: Final = 8  # that stay where there is no room for more: zeros of events lie in them
 _KERNELS: Final = (
     ("step_machine", ("begin", "advance")),
@@ -91,14 +94,17 @@ typedef struct {
 def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str) -> str:
     """Return the header of a mechanism."""
     kernels: dict[str, KernelTree] = {}
+    modal, scales = program.modal.eqs, program.motion.integration.problem.scales
     rare = [
         *(_EVENT_KERNELS if program.watched_events else ()),
-        *(_IMPLICIT_KERNELS if program.is_implicit else ()),
+        *(_IMPLICIT_KERNELS if "jacobian" in program.functions else ()),
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
         *(_MODE_KERNELS if program.modal.modes else ()),
     ]
     for file, roots in (*_KERNELS, *rare):
         kernels |= read_kernels(file, *roots)
+    for function in program.functions.values():
+        kernels |= function.kernels
     pool, places = _pool(program)
     filled = np.flatnonzero(pool)
     eqs, given = program.eqs, program.parameters
@@ -109,7 +115,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _numbers("sb_x", program.x0),
         _numbers("sb_nominal", program.nominal),
         _numbers("sb_p", given.values),
-        _numbers("sb_scales", program.constraint_scales),
+        _numbers("sb_scales", scales.constraints(modal)[: len(modal.formed.holonomic)]),
         _flags("sb_is_given", free),
         _flags("sb_is_held", held_states(program.eqs, free)),
         _flags("sb_is_fixed", [name in given.fixed for name in given.arguments]),
@@ -121,11 +127,10 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _table("char *const", "sb_elements", map(_string, program.modal.names), "const "),
         _functions(program, places),
     ]
-    texts = [function.text for function in program.functions.values()]
     sizes = _sizes(program, pool, places) | {"SB_TOKEN": _string(token)}
     title = f"/* {_plain(eqs.model.name)}, written by symbody: what the C of the FMU computes with. */\n"
     head = "".join(f"#define {name} {value}\n" for name, value in sizes.items())
-    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), *texts, _FUNCTION, *tables])
+    return "\n".join([title, PREAMBLE, head, kernel_text(kernels, C), _FUNCTION, *tables])
 
 
 def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
@@ -156,13 +161,13 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
                 watch[EventMonitor.fields[field].place] = places[name] - places["watch"]
     if switch.size:  # what projects takes the same numbers as steps do
         switch[ModeSwitch.fields["projection"].place] = places["projection"] - places["switch"]
-    scratch = max(function.values_work for function in program.functions.values())
+    scratch = max(function.values_size for function in program.functions.values())
     return np.concatenate([*parts, np.zeros(scratch + 1)]), places | {"scratch": size}
 
 
 def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict[str, str]:
     eqs, functions = program.eqs, program.functions
-    n, n_r = len(eqs.state_names), len(eqs.input_names)
+    n, n_r, scales = len(eqs.state_names), len(eqs.input_names), program.motion.integration.problem.scales
     output = functions["output"]
     rows = output.size + n if "derivatives" in functions else 0
     dense = Run(program.block()).method.dense_rows
@@ -180,7 +185,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_SCRATCH": places["scratch"], "SB_BLOCK": 0, "SB_ASSEMBLY": places["closing"],
         "SB_HELD": AssemblyProblem.fields["asked"].place, "SB_IS_CLOSED": int("assembly" in functions),
         "SB_PROJECTED": int(program.is_projected), "SB_IS_FIXED": int(program.motion.has_one_length),
-        "SB_IS_IMPLICIT": int(program.is_implicit), "SB_IMPLICIT": places["implicit"],
+        "SB_IS_IMPLICIT": int("jacobian" in functions), "SB_IMPLICIT": places["implicit"],
         "SB_WATCH": places["watch"], "SB_STRIKE": places["struck"],
         "SB_IS_STRUCK": int("strike" in functions),
         "SB_JUMPS": len(program.jumps.times), "SB_ARE_MORE_JUMPS": int(program.jumps.are_more),
@@ -201,14 +206,14 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
     numbers["SB_EVENT_SIZE"], numbers["SB_BREAK_SIZE"] = MonitoredEvent.size, Breakpoint.size
     numbers["SB_ELEMENT_SIZE"], numbers["SB_SETTLED"] = SwitchingElement.size, SETTLED
     texts = {
-        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(program.time_scale),
-        "SB_CLOSED": repr(program.closing_share),
+        "SB_SPAN": repr(SPAN), "SB_TIME_SCALE": repr(scales.time),
+        "SB_CLOSED": repr(residual_share(program.motion.projection, None)),
         "SB_OPEN": repr(OPEN),
-        "SB_PROJECTION": f"{FUNCTION}{'projection' if program.is_projected else 'motion'}",
-        "SB_WATCHED_FUNCTION": f"{FUNCTION}{'indicators' if program.watched_events else 'motion'}",
-        "SB_ACTION_FUNCTION": f"{FUNCTION}{'action' if 'action' in functions else 'motion'}",
-        "SB_SAMPLE_FUNCTION": f"{FUNCTION}{'samples' if program.samples.values else 'motion'}",
-        "SB_ASSEMBLY_FUNCTION": f"{FUNCTION}{'assembly' if 'assembly' in functions else 'motion'}",
+        "SB_PROJECTION": f"{_MECHANISM}{'projection' if program.is_projected else 'motion'}",
+        "SB_WATCHED_FUNCTION": f"{_MECHANISM}{'indicators' if program.watched_events else 'motion'}",
+        "SB_ACTION_FUNCTION": f"{_MECHANISM}{'action' if 'action' in functions else 'motion'}",
+        "SB_SAMPLE_FUNCTION": f"{_MECHANISM}{'samples' if program.samples.values else 'motion'}",
+        "SB_ASSEMBLY_FUNCTION": f"{_MECHANISM}{'assembly' if 'assembly' in functions else 'motion'}",
     }  # fmt: skip
     return {name: str(value) for name, value in numbers.items()} | texts
 
@@ -216,8 +221,8 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
 def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
     rows = []
     for name, function in program.functions.items():
-        values = f"{function.name}_values" if function.values_work else "NULL"
-        rows.append(f"{{{function.name}, {values}, {places[name]}}}")
+        values = f"{PREFIX}{function.values}" if function.values else "NULL"
+        rows.append(f"{{{_MECHANISM}{name}, {values}, {places[name]}}}")
     return _table("SbFunction", "sb_functions", rows)
 
 

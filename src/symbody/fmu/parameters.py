@@ -67,12 +67,8 @@ class FmuParameters:
 def fmu_parameters(eqs: EquationSet, given: Mapping[str, Value], fixed: Iterable[str]) -> FmuParameters:
     """Return the parameters of an FMU.
 
-    Raises
-    ------
-    UsageError
-        If a name in `fixed` is not a parameter that can be set.
-    ModelError
-        If a parameter has no value.
+    Raises UsageError if a name in `fixed` is not a parameter that can be set; ModelError if a parameter has
+    no value.
     """
     values = resolve_parameters(eqs.model, given)
     formulas = dict(eqs.model.parameters) | {

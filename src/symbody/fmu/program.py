@@ -1,39 +1,72 @@
-"""`FmuProgram`: everything that the C of an FMU computes with."""
+"""`FmuProgram`: everything that the C of an FMU computes with, and how it is formed."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from symbody.analysis.derivatives import with_outputs
+from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import ModalEquations
+from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
+from symbody.errors import Problem, UsageError
 from symbody.expr.sequences.dependencies import dependencies
-from symbody.fmu.conditions import Condition
-from symbody.fmu.functions import Floats, ModelFunction
-from symbody.fmu.jumps import FmuJumps
+from symbody.expr.sequences.evaluate import evaluate_sequence
+from symbody.expr.sequences.sequence import Roots
+from symbody.fmu.conditions import OUTPUT, Branches, Condition, find_conditions
+from symbody.fmu.jumps import FmuJumps, find_jumps
 from symbody.fmu.parameters import FmuParameters
-from symbody.fmu.samples import FmuSamples
+from symbody.fmu.samples import FmuSamples, fmu_samples
 from symbody.kernels.block import Run
 from symbody.kernels.events.event_monitor import ZEROS_PER_EVENT, EventMonitor
+from symbody.kernels.modes.mode_problem import LOOSE
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.simulation.events.event_functions import numbers_of_events
+from symbody.simulation.events.event_functions import (
+    action_outputs,
+    check_action_shapes,
+    check_value_shapes,
+    numbers_of_events,
+)
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
-from symbody.simulation.hybrid.switching import mode_block, mode_ends
-from symbody.simulation.methods.constraints import residual_share
+from symbody.simulation.hybrid.switching import deciding_outputs, mode_block, mode_ends
+from symbody.simulation.inputs.input_laws import input_laws
+from symbody.simulation.methods.constraints import PROJECTED, Baumgarte, Projection
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
-from symbody.simulation.native.closing import POSED, closing_block, closing_of, metric
-from symbody.simulation.native.strikes import strike_block
-from symbody.simulation.programs.motion_request import PosedMotion
-from symbody.simulation.programs.prepared_motion import implicit_array, motion_block
-from symbody.simulation.programs.program_function import DERIVATIVES, PROJECTION, RIGHT_HAND_SIDE, TURN
+from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
+from symbody.simulation.native.closing import POSED, closing_of
+from symbody.simulation.native.description import Floats
+from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
+from symbody.simulation.programs.happenings import closing_numbers
+from symbody.simulation.programs.motion_request import (
+    Method,
+    MotionRequest,
+    PosedMotion,
+    pose_motion,
+    reason_for_program,
+)
+from symbody.simulation.programs.program_function import (
+    DERIVATIVES,
+    PROJECTION,
+    RIGHT_HAND_SIDE,
+    TURN,
+    ProgramFunction,
+    implicit_array,
+    make_function,
+    motion_block,
+)
+from symbody.simulation.sampling.sampled_loop import check_numbers
 
 STEPS: Final = 24  # of co-simulation that are kept where something is watched
-FUNCTION: Final = "mechanism_"  # begins the names of functions in C
+FUNCTION: Final = "mechanism_"  # begins the names of its functions
 SPAN: Final = 10.0  # seconds of the default experiment
+RTOL: Final = 1e-8
+RTOL_2: Final = 1e-5  # of a method of order 2
+_POINTS: Final = 3  # at which conditions are recognized
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +85,7 @@ class FmuProgram:
         What is shown beside energy and violation.
     events : tuple of Event
         What is watched.
-    functions : mapping of str to ModelFunction
+    functions : mapping of str to ProgramFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
         sensitivities, indicators, action, parameters, sides, deciding, ends, samples, periods, strike.
     conditions : tuple of Condition
@@ -70,21 +103,11 @@ class FmuProgram:
     parameters: FmuParameters
     outputs: tuple[str, ...]
     events: tuple[Event, ...]
-    functions: Mapping[str, ModelFunction]
+    functions: Mapping[str, ProgramFunction]
     conditions: tuple[Condition, ...]
     modal: ModalEquations
     samples: FmuSamples
     jumps: FmuJumps
-
-    @property
-    def rtol(self) -> float:
-        """The tolerance of the default experiment."""
-        return self.motion.integration.rtol
-
-    @property
-    def is_implicit(self) -> bool:
-        """Whether co-simulation solves for its steps."""
-        return isinstance(self.motion.method, GeneralizedAlpha)
 
     @property
     def input_names(self) -> tuple[str, ...]:
@@ -95,12 +118,6 @@ class FmuProgram:
     def x0(self) -> Floats:
         """The assembled state (u, q)."""
         return self.motion.integration.state
-
-    @property
-    def constraint_scales(self) -> Floats:
-        """The sizes of the position constraints."""
-        scales = self.motion.integration.problem.scales
-        return scales.constraints(self.modal.eqs)[: len(self.modal.eqs.formed.holonomic)]
 
     @property
     def nominal(self) -> Floats:
@@ -116,19 +133,9 @@ class FmuProgram:
         return len(self.events) + len(self.conditions) + len(self.modal.modes)
 
     @property
-    def time_scale(self) -> float:
-        """In which the mechanism moves by its size [s]."""
-        return self.motion.integration.problem.scales.time
-
-    @property
     def is_projected(self) -> bool:
         """Whether states fulfil constraints, norms of quaternions among them."""
         return "projection" in self.functions
-
-    @property
-    def closing_share(self) -> float:
-        """By which share of its scale a constraint may be open."""
-        return residual_share(self.motion.projection, None)
 
     @property
     def watched_events(self) -> tuple[Event, ...]:
@@ -163,7 +170,7 @@ class FmuProgram:
         return STEPS if self.watched_events else 1
 
     @property
-    def _step_functions(self) -> Mapping[str, ModelFunction]:
+    def _step_functions(self) -> Mapping[str, ProgramFunction]:
         """The functions that the integrator calls, as programs name them."""
         names = {RIGHT_HAND_SIDE: "motion", PROJECTION: "projection", TURN: "turn", DERIVATIVES: "jacobian"}
         return {name: self.functions[own] for name, own in names.items() if own in self.functions}
@@ -186,9 +193,7 @@ class FmuProgram:
         """Return the block of `symbody.kernels.configurations.closing`; empty for open mechanisms."""
         if "assembly" not in self.functions:
             return np.zeros(0)
-        close, function = closing_of(self.motion.eqs, holds=True), self.functions["assembly"]
-        own = metric(close.eqs, self.motion.integration.problem.scales)
-        return closing_block(close.shape, own, function.sizes, function.array, self.closing_share)
+        return closing_numbers(self.motion, self.functions["assembly"])
 
     def strike(self) -> Floats:
         """Return the array of a `StrikeProblem`; empty where no rates jump."""
@@ -219,3 +224,135 @@ class FmuProgram:
         results = dependencies(function.sequence)[: sum(function.sizes[: len(POSED)])]
         read = frozenset().union(*results)
         return tuple(("p", k) in read for k in range(len(names)))
+
+
+def make_program(
+    eqs: EquationSet, outputs: Sequence[str], initial: Mapping[str, Value], parameters: FmuParameters,
+    events: tuple[Event, ...], constraints: Projection | Baumgarte | None,
+    integrator: Method | None,
+) -> FmuProgram:  # fmt: skip
+    """Return a mechanism as functions and numbers; raises UsageError if the motion needs Python."""
+    samples = fmu_samples(eqs, initial, parameters.given, (0.0, SPAN))
+    _check_motion(eqs, integrator, constraints)
+    request = MotionRequest(
+        initial={name: value for name, value in initial.items() if name not in samples.names},
+        parameters=parameters.given, tunable=parameters.arguments, free_inputs=eqs.input_names,
+        integrator=integrator, span=(0.0, SPAN), is_pulled=False,
+        rtol=RTOL_2 if isinstance(integrator, GeneralizedAlpha) else RTOL,
+        constraints=constraints if isinstance(constraints, Projection) else None,
+    )  # fmt: skip
+    motion = pose_motion(eqs, request, input_laws(eqs.input_names, {}, request.span))
+    jumps = find_jumps(motion, parameters)
+    parameters = parameters.fix_values(jumps.decisive)
+    modal = modal_equations(eqs)
+    conditions = find_conditions(modal)
+    functions = _Functions(parameters, len(conditions))
+    made = functions.of_motion(motion, modal, conditions, outputs, constraints)
+    watched, actions = (*events, *mode_ends(modal)), action_outputs(events)
+    periods = [f"({period})" for period in samples.periods]
+    deciding: list[str] = []
+    for output in deciding_outputs(modal) if modal.modes else ():
+        deciding += [output] if isinstance(output, str) else output
+    if jumps.times and eqs.speed_names:
+        made["strike"] = functions.make(strike_equations(modal.eqs), "strike", strike_outputs(modal.eqs))
+    for name, source, own in (
+        ("deciding", eqs, deciding),
+        ("indicators", modal.eqs, [str(event.expression) for event in watched]),
+        ("action", modal.eqs, actions),
+        ("samples", modal.eqs, samples.formulas),
+        ("periods", modal.eqs, periods),
+        ("parameters", modal.eqs, [f"({formula})" for formula in parameters.calculated]),
+    ):
+        if own:
+            made[name] = functions.make(source, name, own)
+    if watched:
+        check_value_shapes(watched, made["indicators"].outputs)
+    if actions:
+        check_action_shapes(events, made["action"].outputs[1:-1])
+    if periods:
+        check_numbers(samples.values, made["samples"].outputs)
+        parameters = parameters.with_fixed(made["periods"].sequence)
+    return FmuProgram(
+        eqs, motion, parameters, tuple(outputs), events, made, conditions, modal, samples, jumps
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Functions:
+    """Makes functions of the same parameters, behind which p holds the sides of conditions."""
+
+    parameters: FmuParameters
+    condition_count: int
+
+    def make(
+        self, eqs: EquationSet, name: str, outputs: Sequence[str], branches: Branches | None = None
+    ) -> ProgramFunction:
+        given = self.parameters
+        values = np.concatenate([given.values, np.zeros(self.condition_count)])
+        return make_function(
+            eqs, outputs, f"{FUNCTION}{name}", given.fixed_formulas, given.arguments, values,
+            len(eqs.input_names), freeze=None if branches is None else branches.freeze,
+        )  # fmt: skip
+
+    def of_motion(
+        self, motion: PosedMotion, modal: ModalEquations, conditions: tuple[Condition, ...],
+        outputs: Sequence[str], constraints: Projection | Baumgarte | None,
+    ) -> dict[str, ProgramFunction]:  # fmt: skip
+        """Return what states and outputs follow from, with derivatives by all inputs but modes."""
+        eqs, whole = motion.eqs, modal.eqs
+        stabilizing = constraints if isinstance(constraints, Baumgarte) else Baumgarte()
+        stabilized = stabilizing.applied(whole) if whole.multiplier_names else whole
+        sides = with_outputs(whole, [Roots(OUTPUT, (len(conditions),), tuple(x.node for x in conditions))])
+        branches = self.branches(motion, sides, conditions, len(modal.modes))
+        close = closing_of(eqs, holds=True)
+        closing = whole if close.eqs is eqs else modal_equations(close.eqs).eqs
+        made = {
+            "motion": self.make(whole, "motion", ["xdot", "power"]),
+            "slope": self.make(stabilized, "slope", ["xdot"], branches),
+            "output": self.make(whole, "output", ["constraints", "energy", *outputs], branches),
+        }
+        if motion.is_closed or whole.multiplier_names:
+            made["projection"] = self.make(whole, "projection", PROJECTED)
+        if closing.multiplier_names or closing.quaternions:
+            made["assembly"] = self.make(closing, "assembly", close.outputs)
+        if isinstance(motion.method, GeneralizedAlpha):
+            made["turn"] = self.make(whole, "turn", ["qdot"])
+            made["jacobian"] = self.make(with_state_jacobian(whole, {}), "jacobian", [STATE_JACOBIAN])
+        if eqs.state_names:
+            groups = ("q", "s", "u") if eqs.signal_state_names else ("q", "u")
+            by = f"d({', '.join((*groups, *(f'({name})' for name in eqs.input_names)))})"
+            slopes = [f"d {name}/{by}" for name in ("constraints", "energy", *outputs)]
+            made["derivatives"] = self.make(stabilized, "derivatives", [f"d xdot/{by}"], branches)
+            made["sensitivities"] = self.make(whole, "sensitivities", slopes, branches)
+        if conditions:
+            made["sides"] = self.make(sides, "sides", [OUTPUT], branches)
+        return made
+
+    def branches(
+        self, motion: PosedMotion, sides: EquationSet, conditions: tuple[Condition, ...], mode_count: int
+    ) -> Branches | None:
+        """Return the branches with what decides them, at some points about the first state; nothing holds."""
+        if not conditions:
+            return None
+        sequence = self.make(sides, "sides", [OUTPUT]).sequence
+        n_u, n_r = len(sides.speed_names), len(sides.input_names) - mode_count
+        x, p = motion.integration.state, self.parameters.values.tolist()
+        points = []
+        for k in range(_POINTS):
+            moved = [float(value) + math.sin(1.0 + 7.0 * k + i) for i, value in enumerate(x)]
+            r = [*(math.cos(2.0 + 5.0 * k + i) for i in range(n_r)), *[float(LOOSE)] * mode_count]
+            points.append({"t": [0.37 + k], "q": moved[n_u:], "u": moved[:n_u], "r": r, "p": p})
+        values = tuple(tuple(evaluate_sequence(sequence, point)[0]) for point in points)
+        are_floors = tuple(condition.is_floor for condition in conditions)
+        return Branches(tuple(points), values, are_floors, len(p))
+
+
+def _check_motion(eqs: EquationSet, integrator: object, constraints: object) -> None:
+    reason = reason_for_program(eqs, input_laws(eqs.input_names, {}, (0.0, SPAN)), integrator, constraints)
+    if reason:
+        raise UsageError(
+            Problem("fmu.motion", eqs.model.name, f"this motion cannot be written as an FMU: {reason}",
+                    "an FMU computes without Python",
+                    "use sb.Explicit(), sb.FixedStep(..) or sb.GeneralizedAlpha(..); "
+                    "and sb.Projection() or sb.Baumgarte()")
+        )  # fmt: skip

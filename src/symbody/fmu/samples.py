@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.fmu.functions import Floats
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.model.model import Model
+from symbody.simulation.native.description import Floats
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 
@@ -52,12 +52,10 @@ class FmuSamples:
         if not self.values:
             return np.zeros(SampleHold.size)
         # one group for each formula: parameters may set apart sample times that are the same at first
-        apart = [
-            HeldValue(value.name, value.formula, value.slot, float(group), value.initial)
-            for value, group in zip(self.values, self.groups, strict=True)
-        ]
+        pairs = list(zip(self.values, self.groups, strict=True))
+        apart = [replace(value, step=float(group)) for value, group in pairs]
         sampler = Sampler(apart, _START, speed_count)
-        steps = {group: value.step for value, group in zip(self.values, self.groups, strict=True)}
+        steps = {group: value.step for value, group in pairs}
         np.asarray(sampler.hold.steps)[:] = [steps[group] for group in dict.fromkeys(self.groups)]
         sampler.hold.room = 1
         return sampler.block
@@ -68,25 +66,19 @@ def fmu_samples(
 ) -> FmuSamples:
     """Return the held values of a mechanism.
 
+    Raises UsageError if sample times are not positive.
+
     Parameters
     ----------
     initial : mapping
         Values before the first sample, among others.
-
-    Raises
-    ------
-    UsageError
-        If sample times are not positive.
     """
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
     if not signals:
         return FmuSamples()
     held = held_signals(eqs, span, parameters, initial, {})
     places = {name: place for place, name in enumerate(eqs.input_names)}
-    values = tuple(
-        HeldValue(value.name, value.formula, places[value.name], value.step, value.initial)
-        for value in held.active.values
-    )
+    values = tuple(replace(value, slot=places[value.name]) for value in held.active.values)
     formulas = [str(signal.sample) for signal in signals]
     periods = tuple(dict.fromkeys(formulas))
     return FmuSamples(values, periods, tuple(periods.index(formula) for formula in formulas))

@@ -1,27 +1,24 @@
-"""The variables of an FMU, in the order of their value references."""
+"""The variables of an FMU, in the order of their value references, and their structured names."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symbody.analysis.configurations.ropes import with_taut
-from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.equation_set import EquationSet
+from symbody.expr import opcodes as op
 from symbody.expr.sequences.dependencies import Symbols, dependencies
-from symbody.expr.sequences.evaluate import evaluate_sequence
-from symbody.expr.sequences.program import written_out
-from symbody.fmu.functions import Floats, ModelFunction, are_symbols
-from symbody.fmu.names import entry_name, rate_name, unique_names, variable_name
 from symbody.fmu.program import FmuProgram
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.simulation.programs.free_states import free_states
+from symbody.simulation.programs.program_function import ProgramFunction
 
-Flags = NDArray[np.bool_]
-
+_RATE_UNITS: Final = {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2"}
 VIOLATION: Final = "largest position constraint over the size of the mechanism, 0 for open mechanisms"
 
 
@@ -81,58 +78,19 @@ def fmu_variables(program: FmuProgram) -> tuple[FmuVariable, ...]:
 
 def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     """Return which states (u, q, s) can be set: the others follow from the constraints."""
-    eqs = program.eqs
-    n_u = len(eqs.speed_names)
-    if not program.modal.eqs.multiplier_names:
+    eqs, modal = program.eqs, program.modal
+    if not modal.eqs.multiplier_names:
         return (True,) * len(eqs.state_names)
-    by_q, jacobian = _constraint_slopes(program)
-    free = with_taut(program.motion.eqs, ())  # nothing is held at first
-    chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
-    preferred = {eqs.speed_names[k] for k in chosen}
-    free_u = _free_columns(jacobian, np.array([name in preferred for name in eqs.speed_names]))
-    count = len(program.modal.eqs.formed.holonomic)
-    wanted = np.array([f"{name}_dot" in preferred for name in eqs.coordinate_names])
-    free_q = _free_columns(by_q[:count], wanted)
-    return (*free_u, *free_q, *(True for _ in eqs.signal_state_names))
+    closed = with_taut(program.motion.eqs, ())  # nothing is held at first
+    chosen = closed.mobility.independent_speeds if closed.multiplier_names else range(len(eqs.speed_names))
+    r = np.array([*[0.0] * len(eqs.input_names), *[float(LOOSE)] * len(modal.modes)])
+    return free_states(modal.eqs, program.parameters.given, program.x0, r, chosen)
 
 
 def held_states(eqs: EquationSet, are_free: Iterable[bool]) -> tuple[bool, ...]:
     """Return which states keep the values that were set: not quaternions, which are normalized."""
     loose = {name for group in eqs.quaternions for name in group}
     return tuple(free and name not in loose for name, free in zip(eqs.state_names, are_free, strict=True))
-
-
-def _constraint_slopes(program: FmuProgram) -> list[Floats]:
-    """Return the derivatives of constraints by coordinates and by speeds at the first state."""
-    eqs, given, modes = program.modal.eqs, program.parameters, program.modal.modes
-    outputs = ("position_jacobian", "jacobian")
-    sequence = written_out(form_sequence(eqs, outputs, given.fixed_formulas, given.arguments)[0])
-    n_u, x = len(eqs.speed_names), program.x0.tolist()
-    point = {
-        "t": [0.0], "q": x[n_u:], "u": x[:n_u], "p": given.values.tolist(),
-        "r": [*[0.0] * len(program.eqs.input_names), *[float(LOOSE)] * len(modes)],
-    }  # fmt: skip
-    values = evaluate_sequence(sequence, point)
-    shapes = [output.shape for output in sequence.outputs]
-    return [np.reshape(np.asarray(v, dtype=np.float64), s) for v, s in zip(values, shapes, strict=True)]
-
-
-def _free_columns(matrix: Floats, is_preferred: Flags) -> list[bool]:
-    """Return which variables of linear constraints can be chosen, those preferred as far as possible."""
-    A = matrix / np.maximum(np.abs(matrix).max(axis=1, initial=0.0, keepdims=True), 1e-300)
-    free = np.ones(A.shape[1], dtype=bool)
-    for candidates in (~is_preferred, is_preferred):
-        columns = np.flatnonzero(candidates)
-        while columns.size and A.shape[0]:
-            row, place = np.unravel_index(np.abs(A[:, columns]).argmax(), (A.shape[0], columns.size))
-            if abs(A[row, columns[place]]) < 1e-9:
-                break
-            column = columns[place]
-            rest = np.delete(A, row, axis=0)
-            A = rest - np.outer(rest[:, column] / A[row, column], A[row])
-            free[column] = False
-            columns = np.delete(columns, place)
-    return [bool(each) for each in free]
 
 
 def _states(program: FmuProgram) -> Iterator[FmuVariable]:
@@ -151,15 +109,11 @@ def _rates(program: FmuProgram) -> Iterator[FmuVariable]:
     eqs = program.eqs
     depends = _dependencies(program, program.functions["slope"])
     for k, name in enumerate(eqs.state_names):
-        unit = eqs.units.get(f"{name}_dot") or _rate_unit(eqs.units.get(name, ""))
+        unit = eqs.units.get(f"{name}_dot") or _RATE_UNITS.get(eqs.units.get(name, ""), "")
         yield FmuVariable(
             rate_name(name), "local", "continuous", "calculated", None, unit, f"time derivative of {name}",
             derivative=1 + k, dependencies=depends[k],
         )  # fmt: skip
-
-
-def _rate_unit(unit: str) -> str:
-    return {"m": "m/s", "rad": "rad/s", "m/s": "m/s^2", "rad/s": "rad/s^2"}.get(unit, "")
 
 
 def _inputs(program: FmuProgram) -> Iterator[FmuVariable]:
@@ -221,14 +175,15 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
     if program.events:
         depends = _dependencies(program, program.functions["indicators"])[: len(program.events)]
         for event, read in zip(program.events, depends, strict=True):
-            yield _indicator(
-                f"event.{variable_name(event.label)}", f"passes zero at event {event.label}", read
-            )
+            words = f"passes zero at event {event.label}"
+            name = f"event.{variable_name(event.label)}"
+            yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     if program.conditions:
         depends = _dependencies(program, program.functions["sides"])
         for k, (condition, read) in enumerate(zip(program.conditions, depends, strict=True), start=1):
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
-            yield _indicator(f"condition[{k}]", words, read)
+            name = f"condition[{k}]"
+            yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
     ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
     for words, name in ends:
@@ -237,16 +192,13 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
         )
 
 
-def _indicator(name: str, words: str, read: tuple[tuple[int, str], ...]) -> FmuVariable:
-    return FmuVariable(name, "local", "continuous", description=words, dependencies=read)
-
-
-def _dependencies(program: FmuProgram, function: ModelFunction) -> list[tuple[tuple[int, str], ...]]:
+def _dependencies(program: FmuProgram, function: ProgramFunction) -> list[tuple[tuple[int, str], ...]]:
     """Return what each result depends on in continuous time: value references, and how."""
-    plain = are_symbols(function.sequence)
+    sequence = function.sequence
+    results = [sequence.operations[k] for output in sequence.outputs for k in output.values]
     return [
-        _references(program, read, "constant" if plain[k] else "dependent")
-        for k, read in enumerate(dependencies(function.sequence))
+        _references(program, read, "constant" if result.op == op.SYMBOL else "dependent")
+        for result, read in zip(results, dependencies(sequence), strict=True)
     ]
 
 
@@ -258,3 +210,78 @@ def _references(program: FmuProgram, read: Symbols, kind: str) -> tuple[tuple[in
     }  # constant in continuous time, as are modes
     held |= {("r", len(program.eqs.input_names) + k) for k in range(len(program.modal.modes))}
     return tuple(sorted((firsts[group] + place, kind) for group, place in read - held if group in firsts))
+
+
+_PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+_QUOTABLE: Final = re.compile(r"[A-Za-z_0-9!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]")
+
+
+def variable_name(name: str) -> str:
+    """Return a name of the model, or of an output, as a structured name.
+
+    >>> variable_name("theta"), variable_name("reaction B Fx"), variable_name("2*theta + phi")
+    ('theta', 'reaction.B.Fx', "'2*theta + phi'")
+    """
+    words = name.split()
+    is_path = len(words) > 1 and _PLAIN.fullmatch(words[0]) is not None and not re.search(r"[-+*/^<>=]", name)
+    return ".".join(_part(word) for word in words) if is_path else _part(name)
+
+
+def rate_name(name: str) -> str:
+    """Return the name of the derivative of a state.
+
+    >>> rate_name("theta")
+    'der(theta)'
+    """
+    return f"der({variable_name(name)})"
+
+
+def entry_name(name: str, shape: tuple[int, ...], place: int) -> str:
+    """Return the name of one entry of an output, counted by rows; indices count from 1.
+
+    >>> entry_name("reaction B", (6,), 0), entry_name("energy", (), 0), entry_name("M", (2, 2), 2)
+    ('reaction.B[1]', 'energy', 'M[2,1]')
+    """
+    indices = []
+    for size in reversed(shape):
+        place, k = divmod(place, size)
+        indices.append(str(k + 1))
+    return variable_name(name) + (f"[{','.join(reversed(indices))}]" if shape else "")
+
+
+def unique_names(names: Iterable[str]) -> list[str]:
+    """Return names of which no two are the same: later ones get a number."""
+    taken: set[str] = set()
+    result = []
+    for name in names:
+        unique, number = name, 2
+        while unique in taken:
+            stem = name[:-1] if name.endswith("'") else name
+            unique = f"{stem}_{number}'" if name.endswith("'") else f"{stem}_{number}"
+            number += 1
+        taken.add(unique)
+        result.append(unique)
+    return result
+
+
+def identifier(name: str) -> str:
+    """Return the name of a model as an identifier of C.
+
+    >>> identifier("slider crank-2"), identifier("3d")
+    ('slider_crank_2', 'm_3d')
+    """
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return plain if _PLAIN.fullmatch(plain) else f"m_{plain}"
+
+
+def _part(word: str) -> str:
+    if _PLAIN.fullmatch(word):
+        return word
+    letters = (letter if _QUOTABLE.fullmatch(letter) else _escape(letter) for letter in word)
+    return f"'{''.join(letters)}'"
+
+
+def _escape(letter: str) -> str:
+    if letter in "'\"\\":
+        return f"\\{letter}"
+    return " " if letter.isspace() else f"#{ord(letter):x}#"

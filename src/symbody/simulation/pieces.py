@@ -14,7 +14,7 @@ from symbody.simulation.execution import MotionPiece, execute
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.piecewise import Piecewise
+from symbody.simulation.results.evaluate import OutputEvaluator, Piecewise
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.simulation.status import Status
@@ -180,7 +180,7 @@ def concatenate(
     for k, part in enumerate(parts[:-1], start=1):
         done.append(done[-1] + work_at_end(part) + jumps.get(k, 0.0))
     works = [part.stored["work"] + before for part, before in zip(parts, done, strict=True)]
-    evaluate = [part.evaluate for part in parts if part.evaluate is not None]
+    evaluate = [part.evaluate for part in parts if isinstance(part.evaluate, OutputEvaluator)]
     starts = np.array([part.dense_output.breaks[0] if part.dense_output else part.t[0] for part in parts])
     return replace(
         last,

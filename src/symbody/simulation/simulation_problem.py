@@ -25,6 +25,7 @@ from symbody.simulation.inputs.input_laws import InputLaws
 from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import RightHandSide
+from symbody.simulation.results.evaluate import OutputEvaluator
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.single_flight import SingleFlight
 
@@ -184,7 +185,7 @@ def _contains(known: Sequence[float], span: tuple[float, float]) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluator:
+class Evaluator(OutputEvaluator):
     """Computes outputs that are not stored, each compiled when it is first read."""
 
     problem: SimulationProblem
@@ -194,10 +195,6 @@ class Evaluator:
     def wrapped_angles(self) -> tuple[str, ...]:
         """Angles of cut joints, which are given within half a turn."""
         return self.problem.eqs.wrapped_angles
-
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; q is (n_q, N), u is (n_u, N)."""
-        return self.together((name,), t, q, u)[0]
 
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
         """Return outputs with time last, all that are compiled in one function."""

@@ -123,20 +123,6 @@ def _parameters(arguments: tuple[str, ...]) -> str:
     return ", ".join(f"{kinds.get(name, 'const double *')}{name}" for name in arguments)
 
 
-def function_text(sequence: Sequence, name: str, *, piece_size: int = PIECE_SIZE) -> tuple[str, int]:
-    """Return a static function for a file that holds the kernels, and its doubles of scratch.
-
-    Parameters
-    ----------
-    name : str
-        Of the function; parts of it have numbers behind the name.
-    """
-    plan = plan_pieces(sequence, piece_size)
-    words = assign_identifiers([entry.name for entry in sequence.inputs], _is_reserved)
-    layout = TextLayout(sequence, plan, name, {}, {}, tuple(words), ())
-    return "\n".join(_functions(layout, _ARGUMENTS, "static int")) + "\n", plan.work_size
-
-
 def _is_reserved(word: str) -> bool:
     return word in _RESERVED or _RESERVED_FORM.fullmatch(word) is not None
 
@@ -183,15 +169,15 @@ def _interface(plan: Plan, name: str, arguments: tuple[str, ...]) -> Iterator[st
     yield "}"
 
 
-def _functions(layout: TextLayout, arguments: tuple[str, ...], kind: str = "int") -> Iterator[str]:
+def _functions(layout: TextLayout, arguments: tuple[str, ...]) -> Iterator[str]:
     name, pieces = layout.name, layout.plan.pieces
     if len(pieces) == 1:
-        yield from _piece_function(layout, pieces[0], f"{kind} {name}", arguments)
+        yield from _piece_function(layout, pieces[0], f"int {name}", arguments)
         return
     for k, piece in enumerate(pieces):
         yield from _piece_function(layout, piece, f"static int {name}_{k}", arguments)
     yield ""
-    yield f"{kind} {name}({_parameters(arguments)})"
+    yield f"int {name}({_parameters(arguments)})"
     yield "{"
     yield "    int status = 0, next;"
     for k in range(len(pieces)):

@@ -110,8 +110,9 @@ def _curves(model: Model) -> Iterator[tuple[str, Curve]]:
     for element in model.elements:
         if isinstance(element, SpringDamper | TorsionSpring) and isinstance(element.law, Curve):
             yield element.name, element.law
-        elif isinstance(element, Contact) and isinstance(element.normal.law, Curve):
-            yield element.name, element.normal.law
+        elif isinstance(element, Contact) and not isinstance(element.normal, str):
+            if isinstance(element.normal.law, Curve):
+                yield element.name, element.normal.law
 
 
 def _slopes(coefficients: Sequence[float]) -> Sequence[float]:

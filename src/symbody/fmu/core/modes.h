@@ -34,7 +34,7 @@ static void note_rates(Motion *m, const double *x) { symbody_note_rates(switch_o
 static int has_long_rope(Motion *m)
 {
     renew_arguments(m);
-    return symbody_find_long_rope(mechanism_deciding, switch_of(m), clock_of(m), m->x) != 0;
+    return symbody_find_long_rope(symbody_mechanism_deciding, switch_of(m), clock_of(m), m->x) != 0;
 }
 
 /* The same of a state to which the motion has come: ropes that were taut are not. */
@@ -59,7 +59,7 @@ static int switch_modes(Motion *m)
     memcpy(x, m->x, sizeof x);
     S[SB_S_RECORDED] = 0.0;
     renew_arguments(m);
-    code = symbody_settle_modes(mechanism_deciding, SB_PROJECTION, S, rows, clock_of(m), x);
+    code = symbody_settle_modes(symbody_mechanism_deciding, SB_PROJECTION, S, rows, clock_of(m), x);
     m->valid = m->has_arguments = 0;
     if (code != SB_SETTLED || !are_finite(x, SB_N)) return UNSOLVED;
     memcpy(m->x, x, sizeof x);
@@ -81,7 +81,7 @@ static int have_torn_shares(Motion *m)
     double *S = switch_of(m);
     if (!m->has_modes || S[SB_S_SHARES] == 0.0) return 0;
     renew_arguments(m);
-    return !symbody_shares_hold(mechanism_deciding, S, clock_of(m), m->x);
+    return !symbody_shares_hold(symbody_mechanism_deciding, S, clock_of(m), m->x);
 }
 
 /* Whether modes are to be decided: one has ended, at an event or since inputs or parameters jumped. */

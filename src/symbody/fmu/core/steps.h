@@ -42,7 +42,7 @@ static int strike_rates(Motion *m, double before, double behind)
     release(m);
     renew_arguments(m);
 #if SB_IS_STRUCK
-    code = symbody_strike(mechanism_strike, m->pool + SB_STRIKE, before, behind, m->x);
+    code = symbody_strike(symbody_mechanism_strike, m->pool + SB_STRIKE, before, behind, m->x);
 #else
     (void)before, (void)behind;
 #endif
@@ -90,9 +90,9 @@ static void begin_steps(Motion *m)
     m->is_fresh = m->found = 0;
 #if SB_IS_IMPLICIT
     m->code = symbody_begin_implicit(
-        mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks);
+        symbody_mechanism_motion, B, m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks);
 #else
-    m->code = symbody_begin(mechanism_motion, B, nothing, nothing, nothing, m->breaks);
+    m->code = symbody_begin(symbody_mechanism_motion, B, nothing, nothing, nothing, m->breaks);
 #endif
 #if SB_WATCH_COUNT
     watch_of(m)[SB_W_FAULT] = 0.0;
@@ -127,11 +127,12 @@ static void try_step(Motion *m)
     forget_steps(m);
     B[SB_RUN_T_END] = stop;
 #if SB_IS_IMPLICIT
-    m->code = symbody_advance_implicit(mechanism_motion, mechanism_turn, mechanism_jacobian, SB_PROJECTION, B,
+    m->code = symbody_advance_implicit(
+        symbody_mechanism_motion, symbody_mechanism_turn, symbody_mechanism_jacobian, SB_PROJECTION, B,
         m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #else
     m->code = symbody_advance(
-        mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->breaks, m->pieces, 1);
+        symbody_mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #endif
     B[SB_RUN_T_END] = end;
     if (m->code == SB_RUNNING && B[SB_RUN_TIME] >= stop) m->code = SB_FINISHED;
@@ -151,7 +152,7 @@ static void look_ahead(Motion *m, double target)
     double *B = m->pool + SB_BLOCK;
     if (B[SB_RUN_COUNTS_STEPS] == 0.0) return;
 #if SB_ELEMENTS
-    symbody_watch_shares(mechanism_deciding, B, watch_of(m), switch_of(m), m->breaks, m->pieces);
+    symbody_watch_shares(symbody_mechanism_deciding, B, watch_of(m), switch_of(m), m->breaks, m->pieces);
 #endif
     do {
         m->found = symbody_look(ACTS, watch_of(m), m->breaks, m->pieces, m->happened, (int)B[SB_RUN_COUNTS_STEPS],

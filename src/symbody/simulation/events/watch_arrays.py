@@ -18,7 +18,7 @@ from symbody.kernels.events.event_monitor import (
     MonitoredEvent,
 )
 from symbody.kernels.pack import pack
-from symbody.simulation.inputs.chebyshev import DEGREE, chebyshev_nodes, to_coefficients
+from symbody.simulation.inputs.steepness import DEGREE, chebyshev_nodes, to_coefficients
 from symbody.simulation.native.dense_output import cut_matrix
 
 Floats = NDArray[np.float64]

@@ -15,10 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.expr.opcodes import SYMBOL
-from symbody.simulation.inputs.chebyshev import NODES, TO_COEFFICIENTS
-from symbody.simulation.inputs.choice_trees import STEPS
-from symbody.simulation.inputs.steepness import may_hide_features
-from symbody.simulation.inputs.time_functions import TimeFunctions
+from symbody.simulation.inputs.steepness import NODES, TO_COEFFICIENTS, may_hide_features
+from symbody.simulation.inputs.time_functions import STEPS, TimeFunctions
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

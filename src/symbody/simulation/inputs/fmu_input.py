@@ -84,13 +84,7 @@ class FmuInput:
 
 
 def check_fmu_inputs(inputs: Mapping[str, object], names: Sequence[str]) -> None:
-    """Refuse FMUs as laws of inputs that are not there.
-
-    Raises
-    ------
-    UsageError
-        With a suggestion.
-    """
+    """Refuse FMUs as laws of inputs that are not there; raises UsageError with a suggestion."""
     for name, law in inputs.items():
         if isinstance(law, FmuInput) and name not in names:
             raise UsageError(
@@ -100,13 +94,7 @@ def check_fmu_inputs(inputs: Mapping[str, object], names: Sequence[str]) -> None
 
 
 def refuse_fmu_inputs(inputs: Mapping[str, object]) -> None:
-    """Refuse inputs by FMUs where a motion is not computed at once.
-
-    Raises
-    ------
-    UsageError
-        Naming them.
-    """
+    """Refuse inputs by FMUs where a motion is not computed at once; raises UsageError naming them."""
     names = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
     if names:
         raise UsageError(

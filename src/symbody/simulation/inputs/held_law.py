@@ -77,24 +77,12 @@ class HeldRecord:
         return values
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _NotYet:
-    """Held values of motions that are still to be computed: not numbers."""
-
-    def current(self, name: str) -> float:
-        """Return no number."""
-        return math.nan
-
-    def values_at(self, name: str, t: Floats) -> Floats:
-        """Return no numbers."""
-        return np.full(np.shape(t), math.nan)
-
-
 def held_later(eqs: EquationSet, inputs: Collection[str] = ()) -> dict[str, HeldLaw]:
-    """Return laws for the held values of motions still to be computed, and for `inputs` by FMUs."""
+    """Return laws for held values of motions still to be computed, and `inputs` by FMUs: not numbers."""
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
     names = (*(signal.name for signal in signals), *inputs)
-    return {name: HeldLaw(_NotYet(), name) for name in names}
+    nothing = HeldRecord(names, np.zeros(1), np.full((len(names), 1), math.nan))
+    return {name: HeldLaw(nothing, name) for name in names}
 
 
 def places_in(samples: Floats, t: Floats) -> NDArray[np.intp]:

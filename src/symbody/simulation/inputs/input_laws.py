@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+import signal
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from types import FrameType
 from typing import Final
 
 import numpy as np
@@ -19,13 +24,13 @@ from symbody.model.model import Model
 from symbody.model.tables.lookup import Lookup
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs, refuse_fmu_inputs
 from symbody.simulation.inputs.held_law import HeldLaw
-from symbody.simulation.inputs.native_callback import NATIVE, NativeCallback
 from symbody.simulation.inputs.tables import Table, table_numbers
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
 Law = Value | Table | tuple[ArrayLike, ArrayLike] | Callback | FmuInput
 
+NATIVE: Final = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 8)
 # Differences of a law are taken over a share of the state, or of this where the state is smaller.
 _SHARE: Final = 1.5e-8  # the root of what numbers are rounded by
 _LEAST: Final = 1e-2
@@ -58,10 +63,7 @@ class InputLaws:
     def values(self, t: Floats, q: Floats, u: Floats) -> Floats:
         """Return the values of callbacks at times (N,) with q (n_q, N) and u (n_u, N): (N, n).
 
-        Raises
-        ------
-        SimulationError
-            If a law fails.
+        Raises SimulationError if a law fails.
         """
         if not self.callbacks:
             return np.empty((t.size, 0))
@@ -105,10 +107,7 @@ class InputLaws:
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return the values of callbacks at one time.
 
-        Raises
-        ------
-        SimulationError
-            If a law raises, or returns anything but a finite number.
+        Raises SimulationError if a law raises, or returns anything but a finite number.
         """
         q = q[: self.coordinates]
         return [self.call(name, t, q, u) for name in self.callbacks]
@@ -120,10 +119,7 @@ class InputLaws:
     def slopes(self, t: float, x: Floats, n_u: int) -> Floats:
         """Return the derivatives of callbacks by x = (u, q), (n, x.size), as differences.
 
-        Raises
-        ------
-        SimulationError
-            If a law fails.
+        Raises SimulationError if a law fails.
         """
         here = np.array(self.evaluate(t, x[n_u:].copy(), x[:n_u].copy()))
         found = np.empty((here.size, x.size))
@@ -154,17 +150,13 @@ def input_laws(
 ) -> InputLaws:
     """Return the laws of inputs; those without one are 0; unknown names of formulas are left to `compile`.
 
+    Raises CompileError if a function or a long table is given for an input that is not there; UsageError if a
+    table cannot be read or does not reach over the span, or FMUs have no place here.
+
     Parameters
     ----------
     has_fmus : bool
         Whether FMUs may compute inputs; these are 0 until a first sample is taken.
-
-    Raises
-    ------
-    CompileError
-        If a function or a long table is given for an input that is not there.
-    UsageError
-        If a table cannot be read or does not reach over the span, or FMUs have no place here.
     """
     if not has_fmus:
         refuse_fmu_inputs(given)
@@ -216,6 +208,52 @@ def laws_of_tables(eqs: EquationSet) -> dict[str, Law]:
 def _law_of_table(table: Lookup) -> Table:
     t, values = zip(*table.points, strict=True)
     return Table(t, values, table.interpolation)
+
+
+class NativeCallback(ABC):
+    """A Python function with the signature of generated code.
+
+    What it raises is kept in `error`, and every later call fails at once, which ends the loop.
+    """
+
+    def __init__(self) -> None:
+        self.error: Exception | KeyboardInterrupt | None = None
+        self._entry = NATIVE(self._call)
+
+    @property
+    def address(self) -> int:
+        """Where it lies, as long as this object lives."""
+        return ctypes.cast(self._entry, ctypes.c_void_p).value or 0
+
+    @contextmanager
+    def interruptible(self) -> Iterator[None]:
+        """Let Ctrl-C end the loop from within: raised between native and Python code it would be lost."""
+        usual = signal.getsignal(signal.SIGINT)
+        is_main = threading.current_thread() is threading.main_thread()
+        if not is_main or usual is not signal.default_int_handler:
+            yield
+            return
+        signal.signal(signal.SIGINT, self._interrupt)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, usual)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        self.error = KeyboardInterrupt()
+
+    def _call(self, *places: int) -> int:
+        if self.error is not None:
+            return 1
+        try:
+            return self.answer(*places)
+        except (Exception, KeyboardInterrupt) as error:  # nothing may pass through native code
+            self.error = error
+            return 1
+
+    @abstractmethod
+    def answer(self, t: int, q: int, u: int, r: int, p: int, c: int, out: int, work: int) -> int:
+        """Store into the arrays at the last addresses; return 0, or what is wrong."""
 
 
 class CallbackFunction(NativeCallback):

@@ -7,6 +7,7 @@ a steep operation makes of these is compared with its samples.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import Final
 
@@ -15,13 +16,31 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from symbody.expr import opcodes as op
-from symbody.simulation.inputs.chebyshev import DEGREE, TO_COEFFICIENTS
 from symbody.simulation.inputs.time_functions import TimeFunctions
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Bounds = tuple[Floats, Floats]
 
+DEGREE: Final = 8
+
+
+def chebyshev_nodes(degree: int) -> Floats:
+    """Return the shares of an interval at which a Chebyshev polynomial is extreme, (degree + 1,)."""
+    angles = np.pi * np.arange(degree + 1) / degree
+    return np.asarray((1.0 - np.cos(angles)) / 2.0, dtype=np.float64)
+
+
+@cache
+def to_coefficients(degree: int) -> Floats:
+    """Return the matrix from values at the nodes to Chebyshev coefficients."""
+    places = 2.0 * chebyshev_nodes(degree) - 1.0
+    values = np.polynomial.chebyshev.chebvander(places, degree)
+    return np.asarray(np.linalg.inv(values), dtype=np.float64)
+
+
+NODES: Final = chebyshev_nodes(DEGREE)
+TO_COEFFICIENTS: Final = to_coefficients(DEGREE)
 _COUNT: Final = 33
 FINE: Final[Floats] = chebvander(-np.cos(np.pi * np.arange(_COUNT) / (_COUNT - 1)), DEGREE) @ TO_COEFFICIENTS
 # What may lie beyond the samples: shares of the variation in the piece and in the span, and rounding.

@@ -26,8 +26,12 @@ from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
-from symbody.simulation.inverse.motion_laws import MotionLaw, motion_laws
-from symbody.simulation.inverse.prescribed_motion import PrescribedStates, prescribe_motion
+from symbody.simulation.inverse.prescribed_motion import (
+    MotionLaw,
+    PrescribedStates,
+    motion_laws,
+    prescribe_motion,
+)
 from symbody.simulation.inverse.unknowns import InputSolver, influence
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.provenance import provenance_of
@@ -111,9 +115,9 @@ def inverse_dynamics(
     others = {**{name: law for name, law in laws_of_tables(eqs).items() if name not in names}, **others}
     laws = input_laws([name for name in eqs.input_names if name not in names], others, span)
     solver = InputSolver(path, eqs, laws, names, influence(eqs, names))
-    inputs_found = solver.solve(samples := path.samples(t))
-    notes = (*_notes(eqs, names, others, laws, redundant=inputs_found.redundant), *_single_time(times))
-    return _trajectory(solver, samples, inputs_found.values, notes, started)
+    values, redundant = solver.solve(samples := path.samples(t))
+    notes = (*_notes(eqs, names, others, laws, redundant=redundant), *_single_time(times))
+    return _trajectory(solver, samples, values, notes, started)
 
 
 def _trajectory(
@@ -126,7 +130,9 @@ def _trajectory(
     )
     evaluate = Evaluator(SimulationProblem(eqs, solver.path.parameters, laws, solver.path.scales), None)
     power = evaluate("power", samples.t, samples.q, samples.u)
-    count = samples.t.size
+    count, work = samples.t.size, np.zeros_like(samples.t)
+    if count > 1:
+        work = scipy.interpolate.CubicSpline(samples.t, power).antiderivative()(samples.t)
     tables = {name: Table(samples.t, row) for name, row in zip(solver.names, r, strict=True) if count > 1}
     return Trajectory(
         t=samples.t,
@@ -137,7 +143,7 @@ def _trajectory(
         status=Status.SUCCESS,
         statistics=Statistics(count - 1, None, count, perf_counter() - started),
         evaluate=evaluate,
-        stored=dict(zip(solver.names, r, strict=True)) | {"work": _integral(samples.t, power)},
+        stored=dict(zip(solver.names, r, strict=True)) | {"work": work},
         units=eqs.units,
         notes=notes,
         name=eqs.model.name,
@@ -161,7 +167,7 @@ class SolvedInputLaws(InputLaws):
         if key not in self.found:
             columns = [self.solver.path.motion(float(s), x)[1] for s, x in zip(t, q.T, strict=True)]
             samples = samples._replace(udot=np.array(columns).T)
-            self.found[key] = self.solver.solve(samples).values
+            self.found[key] = self.solver.solve(samples)[0]
         return self.solver.arguments(samples, self.found[key])
 
 
@@ -192,10 +198,7 @@ def _check_questions(
 ) -> None:
     """Refuse names that mean nothing, and questions without an answer, all at once.
 
-    Raises
-    ------
-    UsageError
-        Naming each.
+    Raises UsageError naming each.
     """
     problems = []
     for name in dict.fromkeys(unknowns):
@@ -223,9 +226,22 @@ def _check_questions(
         for name in unilateral_elements(eqs.formed)
     ]  # fmt: skip
     if eqs.signal_state_names:
-        problems.append(_moving_signals(eqs))
+        problems.append(
+            Problem("inverse.signals", f"signal {eqs.signal_state_names[0]}",
+                    "the motion of the mechanism does not determine the states of signals "
+                    f"{', '.join(eqs.signal_state_names)}",
+                    "they have their own rates, which may depend on the unknown inputs",
+                    "replace the signals by an input and solve for it, or simulate with the signals")
+        )  # fmt: skip
     if eqs.formed.light_balances:
-        problems.append(_moving_light(eqs))
+        names = [speed.label for speed in eqs.formed.light_balances]
+        problems.append(
+            Problem("inverse.first_order", f"speed {names[0]}",
+                    f"{', '.join(names)} has no mass: dampers determine how fast it moves, and its position "
+                    f"depends on its history",
+                    "forces determine it, so it cannot be prescribed",
+                    "give mass to what moves there, or simulate with known inputs")
+        )  # fmt: skip
     elif eqs.formed.dependent_names:
         problems.append(
             Problem("inverse.dependent_speeds", "eqs",
@@ -236,27 +252,6 @@ def _check_questions(
     if problems:
         raise UsageError(*problems)
     refuse_held(eqs, "inverse dynamics", {*unknowns, *inputs})
-
-
-def _moving_light(eqs: EquationSet) -> Problem:
-    names = [speed.label for speed in eqs.formed.light_balances]
-    return Problem(
-        "inverse.first_order", f"speed {names[0]}",
-        f"{', '.join(names)} has no mass: dampers determine how fast it moves, and its position depends on "
-        f"its history",
-        "forces determine it, so it cannot be prescribed",
-        "give mass to what moves there, or simulate with known inputs",
-    )  # fmt: skip
-
-
-def _moving_signals(eqs: EquationSet) -> Problem:
-    listed = ", ".join(eqs.signal_state_names)
-    return Problem(
-        "inverse.signals", f"signal {eqs.signal_state_names[0]}",
-        f"the motion of the mechanism does not determine the states of signals {listed}",
-        "they have their own rates, which may depend on the unknown inputs",
-        "replace the signals by an input and solve for it, or simulate with the signals",
-    )  # fmt: skip
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:
@@ -292,10 +287,3 @@ def _single_time(times: ArrayLike) -> tuple[str, ...]:
         return ()
     end = float(np.asarray(times, dtype=np.float64))
     return (f"times={end:g} is a single time; use np.linspace(0, {end:g}, 101) for the motion up to it",)
-
-
-def _integral(t: Floats, power: Floats) -> Floats:
-    """Return the integral of a power since the first time, by a cubic spline."""
-    if t.size < 2:
-        return np.zeros_like(t)
-    return np.asarray(scipy.interpolate.CubicSpline(t, power).antiderivative()(t), dtype=np.float64)

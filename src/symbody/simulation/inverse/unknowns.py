@@ -32,14 +32,6 @@ _ROUNDS: Final = 30
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SolvedInputs:
-    """Unknown inputs (n, N), and whether others would give the same motion."""
-
-    values: Floats
-    redundant: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class InputSolver:
     """Solves for unknown inputs.
 
@@ -75,13 +67,11 @@ class InputSolver:
                 arguments[:, k] = others[:, list(self.laws.callbacks).index(name)]
         return arguments
 
-    def solve(self, samples: PrescribedStates) -> SolvedInputs:
-        """Return the unknown inputs of a motion.
+    def solve(self, samples: PrescribedStates) -> tuple[Floats, bool]:
+        """Return the unknown inputs of a motion (n, N), and whether others would give the same one.
 
-        Raises
-        ------
-        SimulationError
-            If no values of the unknowns give the motion, naming the time and what they cannot move.
+        Raises SimulationError if no values of the unknowns give the motion, naming the time and what they
+        cannot move.
         """
         count = samples.t.size
         sizes = self.path.continuation.speed_sizes
@@ -90,10 +80,9 @@ class InputSolver:
         unit = [self._evaluate(f, samples, np.zeros((len(self.names), count))) * sizes
                 for f in self._compile()[2:]]  # fmt: skip
         slopes = np.stack(unit, axis=-1) if unit else np.zeros((count, len(sizes), 0))
-        bases = [
-            self._allowed_motions(t, q, u)
-            for t, q, u in zip(samples.t, samples.q.T, samples.u.T, strict=True)
-        ]
+        follower, points = self.path.continuation, zip(samples.t, samples.q.T, samples.u.T, strict=True)
+        jacobians = [follower.rows(float(t), q, u)[0] for t, q, u in points]
+        bases = [follower.freedoms(jacobian[follower.own_rows]) for jacobian in jacobians]  # scaled speeds
         r = np.zeros((len(self.names), count))
         redundant = False
         for _ in range(_ROUNDS if self.eqs.formed.friction else 2):
@@ -111,8 +100,11 @@ class InputSolver:
         size = np.sum([term.max(axis=1, initial=0.0) for term in terms], axis=0)
         still = AT_REST / _HELD / self.path.continuation.time**2
         size += still * np.abs(mass * sizes * sizes[:, np.newaxis]).max(axis=(1, 2), initial=0.0)
-        self._check(samples, bases, needed - forcing, size, slopes)
-        return SolvedInputs(r, redundant)
+        for k, basis in enumerate(bases):
+            missing = basis.T @ (needed - forcing)[k]
+            if np.abs(missing).max(initial=0.0) > _HELD * size[k]:
+                raise SimulationError(self._underactuated_problem(samples, k, basis, missing, slopes[k]))
+        return r, redundant
 
     def _forcing(self, samples: PrescribedStates, r: Floats) -> Floats:
         forcing: Floats = self._evaluate(self._compile()[1], samples, r) * self.path.continuation.speed_sizes
@@ -130,12 +122,6 @@ class InputSolver:
             columns.append((self._forcing(samples, beside) - forcing) / (DIFFERENCE * scale))
         return np.stack(columns, axis=-1)
 
-    def _allowed_motions(self, t: float, q: Floats, u: Floats) -> Floats:
-        """Return the motions that the mechanism's own constraints allow, in scaled speeds."""
-        follower = self.path.continuation
-        jacobian = follower.rows(float(t), q, u)[0]
-        return follower.freedoms(jacobian[follower.own_rows])
-
     def _compile(self) -> Sequence[CompiledFunction]:
         """Return functions of the mass matrix, the forcing, and each column of it."""
         if not self._functions:
@@ -148,27 +134,6 @@ class InputSolver:
 
     def _evaluate(self, function: CompiledFunction, samples: PrescribedStates, r: Floats) -> Any:
         return function(samples.t, samples.q.T, samples.u.T, self.arguments(samples, r))
-
-    def _check(
-        self,
-        samples: PrescribedStates,
-        bases: Sequence[Floats],
-        missing: Floats,
-        size: Floats,
-        slopes: Floats,
-    ) -> None:
-        """Refuse a motion that the unknowns cannot make, given what is missing and its scale.
-
-        Raises
-        ------
-        SimulationError
-            Naming the time, the coordinates that nothing drives, and unknowns without influence.
-        """
-        for k, basis in enumerate(bases):
-            left = basis.T @ missing[k]
-            if np.abs(left).max(initial=0.0) <= _HELD * size[k]:
-                continue
-            raise SimulationError(self._underactuated_problem(samples, k, basis, left, slopes[k]))
 
     def _underactuated_problem(
         self, samples: PrescribedStates, k: int, basis: Floats, left: Floats, slopes: Floats
@@ -211,10 +176,7 @@ def _least_inputs(matrix: Floats, right: Floats) -> tuple[Floats, bool]:
 def influence(eqs: EquationSet, unknowns: Sequence[str]) -> tuple[EquationSet, ...]:
     """Return equations whose forcing is one column of B each, in the order of `unknowns`.
 
-    Raises
-    ------
-    UsageError
-        If an unknown enters otherwise than in first degree, naming it and where.
+    Raises UsageError if an unknown enters otherwise than in first degree, naming it and where.
     """
     names = tuple(unknowns)
     columns: tuple[EquationSet, ...] = eqs.variants.get(("influence", names), lambda: _influence(eqs, names))

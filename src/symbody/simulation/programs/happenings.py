@@ -1,15 +1,17 @@
-"""What happens on the way of a motion that a program computes: events, samples, rates that jump."""
+"""What happens on the way of a motion that a program computes, and the calls of kernels that follow."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from symbody.codegen.kernels.dialect import PREFIX
+from symbody.codegen.kernels.featured import without_unused
 from symbody.codegen.kernels.reader import read_kernels
-from symbody.codegen.kernels.tree import KernelTree
+from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.block import FunctionNumbers, Run
 from symbody.kernels.configurations.strike_problem import RateJump, RateJumps
@@ -29,14 +31,19 @@ from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_bloc
 from symbody.simulation.hybrid.rate_jumps import jump_times
 from symbody.simulation.hybrid.switching import deciding_outputs, mode_block
 from symbody.simulation.methods.constraints import PROJECTED, residual_share
-from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import CLOSING as CLOSING_OUTPUTS
 from symbody.simulation.native.closing import closing_block, closing_of, metric
 from symbody.simulation.native.description import Floats
 from symbody.simulation.native.run import EVENT_SAMPLES
 from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
 from symbody.simulation.programs.motion_request import PosedMotion
-from symbody.simulation.programs.program_function import ProgramFunction, program_function
+from symbody.simulation.programs.program_function import (
+    DERIVATIVES,
+    RIGHT_HAND_SIDE,
+    TURN,
+    ProgramFunction,
+    program_function,
+)
 from symbody.simulation.sampling.sampled_loop import check_numbers
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 
@@ -91,6 +98,14 @@ class Happenings:
     def labels(self) -> tuple[str, ...]:
         """The names of events and of ends of modes."""
         return tuple(event.label for event in (*self.events, *self.ends))
+
+    @property
+    def arrays(self) -> dict[str, Floats]:
+        """All arrays, by what programs call them."""
+        return {
+            "monitor": self.monitor, "held": self.hold, "sampling": self.sampling, "jumps": self.jumps,
+            "modes": self.modes, "implicit": self.implicit,
+        }  # fmt: skip
 
     @property
     def kinds(self) -> frozenset[str]:
@@ -148,7 +163,7 @@ def make_happenings(
         functions[SAMPLES] = program_function(motion, [value.formula for value in motion.held], SAMPLES)
         check_numbers(motion.held, functions[SAMPLES].outputs)
         hold = _hold(motion, block, monitor)
-        sampling = function_numbers(functions[SAMPLES].numbers)
+        sampling = functions[SAMPLES].array
     modes = _NOTHING
     if motion.modal is not None:
         modes = _modes(motion, motion.modal, functions, monitor)
@@ -169,10 +184,7 @@ def _modes(
         names += [output] if isinstance(output, str) else output
     functions[DECIDING] = program_function(motion, names, DECIDING, motion.modeless)
     functions[FITTING] = program_function(motion, PROJECTED, FITTING)
-    shapes = [
-        (function_numbers(functions[name].numbers), sum(functions[name].sizes))
-        for name in (DECIDING, FITTING)
-    ]
+    shapes = [(functions[name].array, functions[name].size) for name in (DECIDING, FITTING)]
     first = len(motion.input_names) - len(modal.modes)
     scales, eqs = motion.integration.problem.scales, motion.modeless or motion.eqs
     made = mode_block(modal, eqs, scales, first, *shapes)
@@ -199,7 +211,7 @@ def _event_functions(motion: PosedMotion, closing: ProgramFunction | None) -> di
 def _monitor(motion: PosedMotion, functions: Mapping[str, ProgramFunction], block: Floats) -> Floats:
     """Return the array of an `EventMonitor` for a run."""
     run, eqs, events = Run(block), motion.eqs, motion.events
-    numbers = {name: function_numbers(function.numbers) for name, function in functions.items()}
+    numbers = {name: function.array for name, function in functions.items()}
     watch = WatchNumbers(
         run.states, run.speeds, numbers[EVENTS], numbers.get(ACTIONS, _NOTHING),
         closing_numbers(motion, functions[CLOSING]) if CLOSING in functions else _NOTHING,
@@ -218,7 +230,7 @@ def closing_numbers(motion: PosedMotion, function: ProgramFunction) -> Floats:
     close = closing_of(motion.eqs, holds=len(sizes) >= len(CLOSING_OUTPUTS))
     share = residual_share(motion.projection, motion.request.atol)
     own = metric(close.eqs, problem.scales)
-    return closing_block(close.shape, own, sizes, function_numbers(function.numbers), share)
+    return closing_block(close.shape, own, sizes, function.array, share)
 
 
 def _hold(motion: PosedMotion, block: Floats, monitor: Floats) -> Floats:
@@ -243,10 +255,56 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
         return _NOTHING
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
-    numbers = function_numbers(function.numbers)
+    numbers = function.array
     if motion.modal is not None:  # friction is finite, and ropes strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
     rows = jumps.rows((start, last))
     Run(block).t_end = RateJump(rows.ravel()).before
     return pack(RateJumps, count=len(rows), t_end=last, jumps=rows, problem=strikes)
+
+
+def kernel_calls(
+    happens: Happenings, projection: str, closing: str, argument: str, trials: int
+) -> dict[str, str]:
+    """Return the calls of the kernels of a motion by what they do.
+
+    Parameters
+    ----------
+    projection, closing : str
+        The functions that project, and that close states where events act.
+    argument : str
+        Format of an array as an argument.
+    """
+    made = happens.functions
+    functions = {
+        "f": RIGHT_HAND_SIDE, "k": TURN, "j": DERIVATIVES, "g": projection, "e": EVENTS,
+        "a": ACTIONS if ACTIONS in made else EVENTS, "c": closing if CLOSING in made else EVENTS,
+        "h": SAMPLES, "s": STRIKE, "d": DECIDING, "w": FITTING,
+    }  # fmt: skip
+    arrays = {"run": "block", "Q": "sampling", "H": "happened", "Y": "recorded", "Z": "decided"}
+
+    def call(kernel: str, arguments: Iterable[str], *numbers: object) -> str:
+        words = [
+            f"{PREFIX}{functions[name]}" if name in functions else argument.format(arrays.get(name, name))
+            for name in arguments
+        ]
+        return f"{PREFIX}{kernel}({', '.join([*words, *map(str, numbers)])})"
+
+    def whole(kernel: str, *numbers: object) -> str:
+        parameters = without_unused(happens.loop_kernels(kernel))[kernel].parameters
+        return call(kernel, [p.name for p in parameters if p.type != Type.INTEGER], *numbers)
+
+    calls = {
+        "BEGIN": whole("begin_motion"),
+        "ADVANCE": whole("advance_motion", trials),
+        "FORGET": call("forget_steps", ["run", "monitor", "breaks", "pieces"], LAST_STEPS),
+        "NOTE": call("values_before", ["e", "run", "monitor"]),
+        "REWIND_EVENTS": call("rewind_events", ["monitor", "H"], "time"),
+        "REWIND_SAMPLES": call("rewind_samples", ["held", "Y"], "time"),
+        "BOUND": call("end_before_jump", ["run", "jumps"]),
+        "FORGET_ROWS": call("forget_rows", ["modes", "Z"]),
+        "REWIND_MODES": call("rewind_modes", ["modes", "Z"], "time"),
+        "FORGET_MODES": call("forget_modes", ["modes"]),
+    }
+    return calls | ({"WATCH": whole("watch_anew")} if "events" in happens.kinds else {})

@@ -13,7 +13,6 @@ from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.featured import without_unused
@@ -31,7 +30,6 @@ from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.record_layout import RecordLayout
 from symbody.kernels.samples.sample_hold import SampleHold
 from symbody.simulation.methods.constraints import residual_share
-from symbody.simulation.native.blocks import function_numbers
 from symbody.simulation.native.closing import closing_of
 from symbody.simulation.programs.happenings import (
     ACTIONS,
@@ -42,9 +40,9 @@ from symbody.simulation.programs.happenings import (
     STRIKE,
     Happenings,
     closing_numbers,
+    kernel_calls,
     make_happenings,
 )
-from symbody.simulation.programs.kernel_calls import kernel_calls
 from symbody.simulation.programs.motion_request import (
     MotionRequest,
     PosedMotion,
@@ -53,22 +51,18 @@ from symbody.simulation.programs.motion_request import (
     pose_motion,
     with_modes,
 )
-from symbody.simulation.programs.prepared_motion import (
-    implicit_array,
-    method_bounds,
-    motion_block,
-    motion_functions,
-)
 from symbody.simulation.programs.program_function import (
     DERIVATIVES,
     PROJECTION,
     RIGHT_HAND_SIDE,
     TURN,
     ProgramFunction,
+    implicit_array,
+    method_bounds,
+    motion_block,
+    motion_functions,
     program_function,
 )
-
-Floats = NDArray[np.float64]
 
 _ENERGIES: Final = ("kinetic_energy", "potential_energy")
 _PULL_INTERVAL: Final = 1.0 / 240.0  # seconds between changes of the wrench of a pointer
@@ -82,6 +76,13 @@ _ANEW: Final = {
     "events": ("event_interruptions", ("values_before", "watch_again", "rewind_events")),
     "samples": ("sampling", ("rewind_samples",)),
     "jumps": ("struck_motion", ("end_before_jump",)),
+}
+# What `simulation.js` calls a kernel of something that happens, and its name in `kernel_calls`.
+_CALLS: Final = {
+    "events": {"forget": "FORGET", "note": "NOTE", "watch": "WATCH", "rewindEvents": "REWIND_EVENTS"},
+    "samples": {"rewindSamples": "REWIND_SAMPLES"},
+    "jumps": {"bound": "BOUND"},
+    "modes": {"forgetRows": "FORGET_ROWS", "rewindModes": "REWIND_MODES", "forgetModes": "FORGET_MODES"},
 }
 # What `simulation.js` calls a function, and its name in the program.
 _ENTRIES: Final = {
@@ -108,8 +109,8 @@ _HAPPENED: Final = 64  # room for what happens, at first
 
 
 @dataclass(frozen=True, slots=True)
-class ViewOutputs:
-    """How the poses of bodies are computed.
+class PageView:
+    """How the poses of bodies are computed, and how strongly a pointer pulls them.
 
     Attributes
     ----------
@@ -117,25 +118,15 @@ class ViewOutputs:
         Positions of all bodies from those that each is placed from, then all rotation matrices.
     parents, order : tuple of int
         Of each body another one, or -1 for ground; the bodies, each after its parent.
-    """
-
-    outputs: tuple[str, ...]
-    parents: tuple[int, ...]
-    order: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class PointerSpring:
-    """How strongly a pointer pulls.
-
-    Attributes
-    ----------
     mass : float
         Of all bodies [kg]: no point is taken as heavier.
     frequency : float
         Of a held point on its spring [rad/s].
     """
 
+    outputs: tuple[str, ...]
+    parents: tuple[int, ...]
+    order: tuple[int, ...]
     mass: float
     frequency: float
 
@@ -166,15 +157,10 @@ class SimulationText:
         return f"(() => {{\n{self.body}\nglobalThis.symbodySimulation = makeSimulation;\n}})();\n"
 
 
-def javascript_simulation(
-    eqs: EquationSet, request: MotionRequest, view: ViewOutputs, spring: PointerSpring
-) -> SimulationText:
+def javascript_simulation(eqs: EquationSet, request: MotionRequest, view: PageView) -> SimulationText:
     """Return a simulation as JavaScript.
 
-    Raises
-    ------
-    UsageError
-        If the request needs Python or an implicit integrator; see `MotionRequest`.
+    Raises UsageError if the request needs Python or an implicit integrator; see `MotionRequest`.
     """
     posed = pose_motion(eqs, request, check_request(eqs, request))
     check_branch(posed)
@@ -184,7 +170,8 @@ def javascript_simulation(
     close = closing_of(motion.eqs, holds=True)
     if close.is_needed:
         functions["assembly"] = program_function(motion, close.outputs, "assembly", close.eqs)
-    block = _block(motion, functions)
+    block = motion_block(motion, functions)
+    Run(block).room.keep_dense, Run(block).room.steps = 1.0, 1
     happens = make_happenings(motion, block, implicit_array(motion, functions), functions.get("assembly"))
     if happens.steps:
         Run(block).room.steps = happens.steps
@@ -197,7 +184,7 @@ def javascript_simulation(
     kernels = without_unused(kernels)
     for function in functions.values():
         kernels |= function.kernels
-    numbers = _numbers(motion, functions, view, spring, happens)
+    numbers = _numbers(motion, functions, view, happens)
     numbers |= {"block": block, **_happening_numbers(happens)}
     parts = [
         '"use strict";', kernel_text(kernels, JAVASCRIPT), _table(functions), _calls(happens, functions),
@@ -207,7 +194,6 @@ def javascript_simulation(
 
 
 def _driver() -> str:
-    """Return what calls the kernels."""
     return (files(__package__) / "simulation.js").read_text(encoding="utf-8")
 
 
@@ -229,35 +215,16 @@ def _calls(happens: Happenings, functions: Mapping[str, ProgramFunction]) -> str
     """Return what `simulation.js` calls of kernels, with the arrays of a motion."""
     projection = PROJECTION if PROJECTION in functions else RIGHT_HAND_SIDE
     made = kernel_calls(happens, projection, "assembly", "m.{}, 0", 1)
-    kinds = happens.kinds
-    entries = {
-        "begin": [made["BEGIN"]],
-        "advance": [made["ADVANCE"]],
-        "forget": [made["FORGET"]] * ("events" in kinds),
-        "note": [made["NOTE"]] * ("events" in kinds),
-        "watch": [made["WATCH"]] * ("events" in kinds),
-        "rewindEvents": [made["REWIND_EVENTS"]] * ("events" in kinds),
-        "rewindSamples": [made["REWIND_SAMPLES"]] * ("samples" in kinds),
-        "bound": [made["BOUND"]] * ("jumps" in kinds),
-        "forgetRows": [made["FORGET_ROWS"]] * ("modes" in kinds),
-        "rewindModes": [made["REWIND_MODES"]] * ("modes" in kinds),
-        "forgetModes": [made["FORGET_MODES"]] * ("modes" in kinds),
-    }
-    lines = [f"{name}: (m, time) => ({', '.join(calls)})," for name, calls in entries.items() if calls]
+    entries = {"begin": "BEGIN", "advance": "ADVANCE"}
+    for kind in sorted(happens.kinds):
+        entries |= _CALLS[kind]
+    lines = [f"{name}: (m, time) => {made[call]}," for name, call in entries.items()]
     return "const kernels = {\n    " + "\n    ".join(lines) + "\n};"
 
 
 def _happening_numbers(happens: Happenings) -> dict[str, Any]:
     """Return the data of what happens on the way, null where nothing of a kind does."""
-    arrays = {
-        "monitor": happens.monitor,
-        "held": happens.hold,
-        "sampling": happens.sampling,
-        "jumps": happens.jumps,
-        "modes": happens.modes,
-        "implicit": happens.implicit,
-    }
-    found: dict[str, Any] = {name: array if array.size else None for name, array in arrays.items()}
+    found: dict[str, Any] = {name: array if array.size else None for name, array in happens.arrays.items()}
     found["events"] = list(happens.labels)
     found["eventCount"] = len(happens.events)
     found["happenedRoom"] = _HAPPENED + ZEROS_PER_EVENT * len(happens.labels)
@@ -265,10 +232,8 @@ def _happening_numbers(happens: Happenings) -> dict[str, Any]:
 
 
 def _numbers(
-    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: ViewOutputs, spring: PointerSpring,
-    happens: Happenings,
-) -> dict[str, Any]:  # fmt: skip
-    """Return the data of a program."""
+    motion: PosedMotion, functions: Mapping[str, ProgramFunction], view: PageView, happens: Happenings
+) -> dict[str, Any]:
     names = motion.input_names
     wrench = motion.wrench
     pull = None
@@ -276,7 +241,7 @@ def _numbers(
         pull = {
             "wrench": [names.index(name) for name in wrench.components],
             "weights": [names.index(name) for name in wrench.weights],
-            "mass": spring.mass, "frequency": spring.frequency, "interval": _PULL_INTERVAL,
+            "mass": view.mass, "frequency": view.frequency, "interval": _PULL_INTERVAL,
         }  # fmt: skip
     records = dict(_RECORDS)
     for kind in sorted(happens.kinds):
@@ -294,25 +259,17 @@ def _numbers(
         "codes": {name: getattr(codes, name) for name in _CODES},
         "assembly": closing_numbers(motion, functions["assembly"]) if "assembly" in functions else None,
         "view": {
-            "numbers": function_numbers(functions["view"].numbers),
-            "size": sum(functions["view"].sizes),
+            "numbers": functions["view"].array,
+            "size": functions["view"].size,
             "parents": list(view.parents), "order": list(view.order), "energies": 12 * len(view.parents),
         },
-        "parameters": {"names": list(motion.tunable), "values": list(motion.tunable_values)},
+        "parameters": {"names": list(motion.request.tunable), "values": list(motion.tunable_values)},
         "inputs": {"names": list(names)},
         "states": list(motion.eqs.state_names),
-        "start": motion.x0, "startTime": motion.span[0],
+        "start": motion.integration.x0, "startTime": motion.span[0],
         "isFixed": motion.has_one_length, "firstStep": first_step,
         "closed": residual_share(motion.projection, motion.request.atol), "pull": pull,
     }  # fmt: skip
-
-
-def _block(motion: PosedMotion, functions: Mapping[str, ProgramFunction]) -> Floats:
-    """Return the block of the motion at its first state."""
-    made = motion_block(motion, functions)
-    room = Run(made).room
-    room.keep_dense, room.steps = 1.0, 1
-    return made
 
 
 def _literal(value: Any) -> str:

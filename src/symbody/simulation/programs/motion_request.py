@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.state import State
@@ -34,9 +33,8 @@ from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import HeldValue
 from symbody.simulation.simulate import pose_problem
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.sweeps.case_by_case import reason_for_python
+from symbody.simulation.sweeps.sweep_job import reason_for_python
 
-Floats = NDArray[np.float64]
 Method = Explicit | FixedStep | GeneralizedAlpha
 
 # Ends of the motion that are tried [s]: what depends on time is cut into at most so many pieces up to there.
@@ -140,20 +138,16 @@ class PosedMotion:
         return self.integration.eqs
 
     @property
-    def tunable(self) -> tuple[str, ...]:
-        """Parameters that are arguments."""
-        return self.request.tunable
-
-    @property
     def tunable_values(self) -> tuple[float, ...]:
-        """Their values at first."""
+        """The first values of parameters that are arguments."""
         values = resolve_parameters(self.eqs.model, self.request.parameters)
-        return tuple(float(values[name]) for name in self.tunable)
+        return tuple(float(values[name]) for name in self.request.tunable)
 
     @property
     def fixed_values(self) -> dict[str, Value]:
         """Values given for other parameters."""
-        return {name: value for name, value in self.request.parameters.items() if name not in self.tunable}
+        request = self.request
+        return {name: value for name, value in request.parameters.items() if name not in request.tunable}
 
     @property
     def input_names(self) -> tuple[str, ...]:
@@ -195,11 +189,6 @@ class PosedMotion:
         """Whether states are projected after steps."""
         return self.is_closed and not isinstance(self.request.constraints, Baumgarte)
 
-    @property
-    def x0(self) -> Floats:
-        """The first state (u, q), and the work done, 0."""
-        return self.integration.x0
-
 
 def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> PosedMotion:
     """Return a motion ready to be written as a program; nothing in it may need Python."""
@@ -210,24 +199,12 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
     held = held_values(eqs, request)
     initial = {name: value for name, value in request.initial.items() if name not in held}
     first = assemble(
-        made,
-        initial,
-        request.guess,
-        parameters=request.parameters,
-        inputs=laws.formulas,
-        t=start,
+        made, initial, request.guess, parameters=request.parameters, inputs=laws.formulas, t=start,
         scales=scales,
-    )
+    )  # fmt: skip
     problem = pose_problem(made, request.span, request.parameters, laws, scales, constraints, first)
-    integration = Motion(
-        problem,
-        first_numbers(first),
-        request.span,
-        request.times,
-        request.rtol,
-        request.atol,
-        request.max_steps,
-    )
+    tolerances = request.rtol, request.atol, request.max_steps
+    integration = Motion(problem, first_numbers(first), request.span, request.times, *tolerances)
     names = (*request.free_inputs, *held, *(() if wrench is None else wrench.names))
     formulas = {name: law for name, law in laws.formulas.items() if name not in names}
     last, pieces = _breakpoints(problem, request)
@@ -251,10 +228,7 @@ def with_modes(motion: PosedMotion) -> PosedMotion:
 def held_values(eqs: EquationSet, request: MotionRequest) -> dict[str, HeldValue]:
     """Return the sampled signals of a motion by name, but those that are free inputs.
 
-    Raises
-    ------
-    UsageError
-        If they cannot be sampled: see `held_signals`.
+    Raises UsageError if they cannot be sampled: see `held_signals`.
     """
     signals = eqs.model.held_signals if isinstance(eqs.model, Model) else ()
     if all(signal.name in request.free_inputs for signal in signals):
@@ -279,22 +253,12 @@ def _breakpoints(problem: SimulationProblem, request: MotionRequest) -> tuple[fl
 def check_request(eqs: EquationSet, request: MotionRequest) -> InputLaws:
     """Return the laws of the inputs of a motion that a page computes.
 
-    Raises
-    ------
-    UsageError
-        If the motion needs Python, an implicit integrator, or equations that change on the way.
+    Raises UsageError if the motion needs Python, an implicit integrator, or equations that change on the way.
     """
     laws = input_laws(eqs.input_names, {**laws_of_tables(eqs), **request.inputs}, request.span)
-    held_values(
-        eqs,
-        replace(
-            request, inputs={**request.inputs, **dict.fromkeys(request.free_inputs, 0.0)}, free_inputs=()
-        ),
-    )
-    problems = [
-        *_refusals(request, laws), *_pivot_problems(eqs),
-        *_time_problems(eqs, request),
-    ]  # fmt: skip
+    inputs = {**request.inputs, **dict.fromkeys(request.free_inputs, 0.0)}
+    held_values(eqs, replace(request, inputs=inputs, free_inputs=()))
+    problems = _refusals(eqs, request, laws)
     if problems:
         raise UsageError(*problems)
     return laws
@@ -306,8 +270,8 @@ def reason_for_program(eqs: EquationSet, laws: InputLaws, integrator: object, co
     return reason_for_python(eqs, laws, explicit, constraints)
 
 
-def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
-    """Return what in a request cannot run without Python."""
+def _refusals(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> list[Problem]:
+    """Return what a page does not compute, and sliders of parameters that say when something happens."""
     problems = [
         Problem("animation.live_input", name, f"input {name} is a Python function or a long table",
                 "pages compute without Python", "give an expression, such as \"10*sin(t)\", or a slider")
@@ -325,7 +289,21 @@ def _refusals(request: MotionRequest, laws: InputLaws) -> list[Problem]:
                     f"{request.constraints!r} cannot run in a page", "it needs Python",
                     "give sb.Projection() or sb.Baumgarte(), or leave it out")
         )  # fmt: skip
-    return problems
+    if eqs.formed.elimination is not None:
+        problems.append(
+            Problem("animation.live_pivots", eqs.model.name,
+                    "dependent speeds are eliminated, which fails where a pivot vanishes",
+                    "a page does not monitor pivots", "form the equations without dependent_speeds")
+        )  # fmt: skip
+    decisive = {name: "the times at which prescribed rates jump" for name in jump_parameters(eqs)}
+    for signal in eqs.model.held_signals if isinstance(eqs.model, Model) and request.tunable else ():
+        names = signal.sample.names if signal.sample else ()
+        decisive |= dict.fromkeys(names, f"the sample time of {signal.name}")
+    return problems + [
+        Problem("animation.slider_time", name, f"a slider cannot move {name}: it changes {decisive[name]}",
+                "a page computes these times when it is written", "remove the slider")
+        for name in request.tunable if name in decisive
+    ]  # fmt: skip
 
 
 def branch_problem(name: str, what: str) -> Problem:
@@ -340,45 +318,16 @@ def branch_problem(name: str, what: str) -> Problem:
 def check_branch(motion: PosedMotion) -> None:
     """Refuse a start from which `simulate` would go on by `Partition`.
 
-    Raises
-    ------
-    UsageError
-        If constraints are dependent there.
+    Raises UsageError if constraints are dependent there.
     """
-    problem, t = motion.integration.problem, motion.request.span[0]
-    eqs = problem.eqs
-    x = motion.x0[: len(motion.first.u) + len(motion.first.q)]
+    problem, t, eqs = motion.integration.problem, motion.span[0], motion.eqs
     if not eqs.multiplier_names or not eqs.speed_names:
         return
+    x = motion.integration.state[: len(eqs.speed_names) + len(eqs.coordinate_names)]
+    what = ""
     if is_overconstrained(problem, t, x):
-        raise UsageError(
-            branch_problem(eqs.model.name, "some constraints are redundant in closed loops only")
-        )
-    if is_change_point(problem, t, x):
-        raise UsageError(
-            branch_problem(eqs.model.name, "the start is a change point: constraints become dependent")
-        )
-
-
-def _pivot_problems(eqs: EquationSet) -> list[Problem]:
-    if eqs.formed.elimination is None:
-        return []
-    return [
-        Problem("animation.live_pivots", eqs.model.name,
-                "dependent speeds are eliminated, which fails where a pivot vanishes",
-                "a page does not monitor pivots", "form the equations without dependent_speeds")
-    ]  # fmt: skip
-
-
-def _time_problems(eqs: EquationSet, request: MotionRequest) -> list[Problem]:
-    """Return what to say about sliders of parameters that say when something happens."""
-    found = {name: "the times at which prescribed rates jump" for name in jump_parameters(eqs)}
-    for signal in eqs.model.held_signals if isinstance(eqs.model, Model) else ():
-        found |= dict.fromkeys(
-            signal.sample.names if signal.sample else (), f"the sample time of {signal.name}"
-        )
-    return [
-        Problem("animation.slider_time", name, f"a slider cannot move {name}: it changes {found[name]}",
-                "a page computes these times when it is written", "remove the slider")
-        for name in request.tunable if name in found
-    ]  # fmt: skip
+        what = "some constraints are redundant in closed loops only"
+    elif is_change_point(problem, t, x):
+        what = "the start is a change point: constraints become dependent"
+    if what:
+        raise UsageError(branch_problem(eqs.model.name, what))

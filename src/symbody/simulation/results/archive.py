@@ -21,7 +21,7 @@ from symbody.errors import EnvironmentFault, FormatError, Problem
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
-from symbody.simulation.results.model_record import provenance_from
+from symbody.simulation.results.provenance import provenance_from
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]
@@ -41,10 +41,7 @@ _KINDS: Final[Mapping[str, object]] = {
 def write_archive(path: Path, arrays: Mapping[str, Floats], about: About) -> None:
     """Write arrays and a description to exactly `path`.
 
-    Raises
-    ------
-    EnvironmentFault
-        If the file cannot be written.
+    Raises EnvironmentFault if the file cannot be written.
     """
     text = np.array(json.dumps({"format": FORMAT, **about}))
     try:
@@ -59,12 +56,7 @@ def write_archive(path: Path, arrays: Mapping[str, Floats], about: About) -> Non
 def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
     """Return what `write_archive` wrote.
 
-    Raises
-    ------
-    EnvironmentFault
-        If the file cannot be opened.
-    FormatError
-        If it is none of ours, or damaged.
+    Raises EnvironmentFault if the file cannot be opened; FormatError if it is none of ours, or damaged.
     """
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
@@ -88,12 +80,8 @@ def read_archive(path: Path) -> tuple[dict[str, Floats], About]:
 def motion_fields(path: Path) -> dict[str, Any]:
     """Return what makes the trajectory in a file.
 
-    Raises
-    ------
-    EnvironmentFault
-        If the file cannot be opened.
-    FormatError, ModelError
-        If it holds no trajectory, or its model is none.
+    Raises EnvironmentFault if the file cannot be opened; FormatError, ModelError if it holds no trajectory,
+    or its model is none.
     """
     arrays, about = read_archive(path)
     try:
@@ -124,10 +112,7 @@ def motion_fields(path: Path) -> dict[str, Any]:
 def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
     """Compare the description of a motion in a file with the arrays in it.
 
-    Raises
-    ------
-    ValueError, KeyError
-        Where they do not fit together.
+    Raises ValueError, KeyError where they do not fit together.
     """
     for name, kind in _KINDS.items():
         if not fits(kind, about.get(name, [])):
@@ -158,12 +143,8 @@ def check_motion(arrays: Mapping[str, Floats], about: About) -> None:
 def read_arrays(file: BinaryIO) -> dict[str, NDArray[Any]]:
     """Return the arrays of an npz file that is not compressed, in the memory that the file itself takes.
 
-    Sizes are compared with the file's before anything is read: what is packed small cannot grow large.
-
-    Raises
-    ------
-    ValueError, KeyError, OSError, zipfile.BadZipFile, ...
-        Whatever a damaged file leads to.
+    Sizes are compared with the file's before anything is read: what is packed small cannot grow large. Raises
+    ValueError, KeyError, OSError, zipfile.BadZipFile and others: whatever a damaged file leads to.
     """
     size = os.fstat(file.fileno()).st_size
     arrays: dict[str, NDArray[Any]] = {}

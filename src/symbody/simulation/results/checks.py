@@ -248,18 +248,15 @@ def _has_rods(problem: SimulationProblem) -> bool:
     moments = parameter_set(problem.eqs, problem.parameters).quantities.moments
     if 0.0 not in moments:
         return False
-    spherical: frozenset[str] = problem.eqs.plans.get("spherical bodies", lambda: _spherical_bodies(model))
+    spherical: set[str] = problem.eqs.plans.get("spherical bodies", lambda: {
+        body for joint in model.joints if len(joint.rotation_coordinates) > _TWO
+        for body in (joint.start.body, joint.end.body)
+    })  # fmt: skip
     for k, body in enumerate(model.bodies):
         zeros = moments[3 * k : 3 * k + 3].count(0.0)
         if zeros == 1 or (zeros > 1 and body.name in spherical):
             return True
     return False
-
-
-def _spherical_bodies(model: Model) -> frozenset[str]:
-    """Return the bodies at joints that turn in all ways."""
-    joints = [joint for joint in model.joints if len(joint.rotation_coordinates) > _TWO]
-    return frozenset(body for joint in joints for body in (joint.start.body, joint.end.body))
 
 
 def _moves_by_balances(eqs: EquationSet) -> bool:
@@ -545,25 +542,21 @@ def singular_passages(eqs: EquationSet, dense: DenseOutput) -> Iterator[tuple[Oc
         rising = np.append(np.diff(sizes) > 0.0, True)
         falling = np.insert(np.diff(sizes) <= 0.0, 0, True)
         for k in np.flatnonzero(rising & falling & (sizes < 10.0 * _CLOSE_BY)).tolist():
-            between = (float(t[max(k - 1, 0)]), float(t[min(k + 1, t.size - 1)]))
-            moment, size = _least(partial(_measure_at, angles, dense, n_u), between)
+            bounds = sorted([float(t[max(k - 1, 0)]), float(t[min(k + 1, t.size - 1)])])
+            least = scipy.optimize.minimize_scalar(
+                lambda at, own=angles: float(own.measure(dense(at)[n_u:])), bounds=bounds, method="bounded",
+                options={"xatol": 1e-9 * (bounds[1] - bounds[0])},
+            )  # fmt: skip
+            moment, size = float(least.x), float(least.fun)
             if size < _CLOSE_BY:
                 state = dict(zip(eqs.state_names, dense(moment).tolist(), strict=True))
                 event = Occurrence(f"{angles.joint} singular angles", moment, state)
-                yield event, _passage_note(eqs, angles, moment, size)
-
-
-def _measure_at(angles: _Angles, dense: DenseOutput, n_u: int, t: float) -> float:
-    return float(angles.measure(dense(t)[n_u:]))
-
-
-def _least(measure: Callable[[float], float], between: tuple[float, float]) -> tuple[float, float]:
-    """Return when something is least, and how large it is then."""
-    low, high = sorted(between)
-    found = scipy.optimize.minimize_scalar(
-        measure, bounds=(low, high), method="bounded", options={"xatol": 1e-9 * (high - low)}
-    )
-    return float(found.x), float(found.fun)
+                name = eqs.coordinate_names[angles.second]
+                note = (
+                    f"joint {angles.joint}: at t = {moment:.6g} s {name} passes within {size:.1e} rad of "
+                    f"a singularity of its angles; steps are small there and accuracy suffers; {angles.cure}"
+                )
+                yield event, note
 
 
 def _triples(eqs: EquationSet) -> Iterator[_Angles]:
@@ -585,11 +578,3 @@ def _cure(joint: Joint) -> str:
     if isinstance(joint, ConstantVelocity):
         return "cut it with tree = false if its shafts become collinear"
     return "another sequence of angles has its singularities elsewhere"
-
-
-def _passage_note(eqs: EquationSet, angles: _Angles, t: float, size: float) -> str:
-    name = eqs.coordinate_names[angles.second]
-    return (
-        f"joint {angles.joint}: at t = {t:.6g} s {name} passes within {size:.1e} rad of a singularity of "
-        f"its angles; steps are small there and accuracy suffers; {angles.cure}"
-    )

@@ -16,8 +16,9 @@ from symbody.equations.form import form_equations
 from symbody.errors import Problem, TopologyError, UsageError
 from symbody.graph.trees import TreeChoice, Trees
 from symbody.model.model import Model
-from symbody.simulation.inputs.held_law import HeldLaw
+from symbody.simulation.inputs.held_law import HeldLaw, held_later
 from symbody.simulation.inputs.input_laws import Callback, InputLaws
+from symbody.simulation.results.evaluate import OutputEvaluator
 from symbody.simulation.results.provenance import Provenance
 from symbody.simulation.simulation_problem import Evaluator, SimulationProblem
 from symbody.single_flight import SingleFlight
@@ -31,7 +32,7 @@ _ENERGIES: Final = ("energy", "kinetic_energy", "potential_energy")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recomputation:
+class Recomputation(OutputEvaluator):
     """Computes outputs of a motion that was read from a file; the first one forms the equations.
 
     Attributes
@@ -55,18 +56,11 @@ class Recomputation:
         """Angles of cut joints, which are given within half a turn."""
         return self._made.get(None, self._evaluator).wrapped_angles
 
-    def __call__(self, name: str, t: Floats, q: Floats, u: Floats) -> Floats:
-        """Return the output with time last; q is (n_q, N), u is (n_u, N).
-
-        Raises
-        ------
-        UsageError
-            If it cannot be computed from the file.
-        """
-        return self.together((name,), t, q, u)[0]
-
     def together(self, names: Sequence[str], t: Floats, q: Floats, u: Floats) -> list[Floats]:
-        """Return outputs with time last, all from one compiled function; see `__call__`."""
+        """Return outputs with time last, all from one compiled function.
+
+        Raises UsageError if one cannot be computed from the file.
+        """
         for name in names:
             self._check(name)
         computed = self._made.get(None, self._evaluator).together(names, t, q, u)
@@ -101,31 +95,20 @@ class Recomputation:
         except TopologyError as error:  # the model lacks joints that gave the coordinates
             raise _another_model(source.model, error.problems[0].what) from error
         check_names(eqs, self.coordinate_names, self.speed_names)
-        callbacks: dict[str, Callback] = {name: table.reader() for name, table in source.tables.items()}
-        callbacks |= dict.fromkeys(source.missing_inputs, _unknown_value)
-        callbacks |= {} if source.held is None else {n: HeldLaw(source.held, n) for n in source.held.names}
-        callbacks = {name: callbacks[name] for name in eqs.input_names if name in callbacks}
-        laws = StoredLaws(source.inputs, callbacks, (), {})
+        laws: dict[str, Callback] = {**held_later(eqs, source.missing_inputs)}  # not numbers
+        laws |= {} if source.held is None else {n: HeldLaw(source.held, n) for n in source.held.names}
+        laws |= {name: table.reader() for name, table in source.tables.items()}
+        callbacks = {name: laws[name] for name in eqs.input_names if name in laws}
+        tables = {k: source.tables[name] for k, name in enumerate(callbacks) if name in source.tables}
+        known = InputLaws(source.inputs, callbacks, (), tables)
         scales = mechanism_scales(eqs, source.given, near=self.near)
-        return Evaluator(SimulationProblem(eqs, source.given, laws, scales), None)
-
-
-@dataclass(frozen=True, slots=True)
-class StoredLaws(InputLaws):
-    """Laws of inputs from a file; inputs whose law is lost are not numbers."""
-
-    def call(self, name: str, t: float, q: Floats, u: Floats) -> float:
-        """Return the value of one callback."""
-        return self.callbacks[name](t, q, u)
+        return Evaluator(SimulationProblem(eqs, source.given, known, scales), None)
 
 
 def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) -> Provenance:
     """Return what a motion of a model was probably computed from: its values, and trees that fit the names.
 
-    Raises
-    ------
-    UsageError
-        If no usual choice of trees has these coordinates and speeds.
+    Raises UsageError if no usual choice of trees has these coordinates and speeds.
     """
     choices: tuple[TreeChoice, ...] = (None, "joints", "absolute")
     for substitutes, choice in product((False, True), choices):
@@ -144,10 +127,7 @@ def provenance_for(model: Model, coordinate_names: Names, speed_names: Names) ->
 def check_names(eqs: EquationSet, coordinate_names: Names, speed_names: Names) -> None:
     """Refuse equations of another mechanism than the one that moved.
 
-    Raises
-    ------
-    UsageError
-        If coordinates or speeds differ.
+    Raises UsageError if coordinates or speeds differ.
     """
     if (eqs.coordinate_names, eqs.speed_names) == (coordinate_names, speed_names):
         return
@@ -160,10 +140,6 @@ def _another_model(model: Model, why: str) -> UsageError:
         Problem("trajectory.another_model", model.name, "the motion is not one of this model", why,
                 "give the model that the motion was computed from")
     )  # fmt: skip
-
-
-def _unknown_value(t: float, q: Floats, u: Floats) -> float:
-    return float("nan")
 
 
 def _unknown_output(name: str, why: str) -> UsageError:

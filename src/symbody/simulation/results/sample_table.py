@@ -217,10 +217,7 @@ _COMPONENTS: Final[Mapping[str, Sequence[str]]] = {"wrench": WRENCH, "xyz": ("x"
 def refuse_table_ending(path: Path) -> None:
     """Refuse to write a trajectory to a file whose name ends as that of a table.
 
-    Raises
-    ------
-    UsageError
-        With the method that writes such a table.
+    Raises UsageError with the method that writes such a table.
     """
     ending = PurePath(path).suffix.lower()
     if ending in _TABLES:

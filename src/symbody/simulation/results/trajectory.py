@@ -31,12 +31,15 @@ from symbody.simulation.inputs.held_law import HeldRecord
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import Statistics
 from symbody.simulation.results.archive import Path, motion_fields, not_ours, write_archive
-from symbody.simulation.results.evaluate import Evaluate, EvaluateTogether
-from symbody.simulation.results.measured_angles import count_turns
-from symbody.simulation.results.model_record import record_of
-from symbody.simulation.results.provenance import Provenance
+from symbody.simulation.results.evaluate import (
+    Evaluate,
+    OutputEvaluator,
+    count_turns,
+    evaluate_samples,
+    formula_of_samples,
+)
+from symbody.simulation.results.provenance import Provenance, record_of
 from symbody.simulation.results.recomputation import Recomputation, provenance_for
-from symbody.simulation.results.sample_formulas import evaluate_samples, formula_of_samples
 from symbody.simulation.results.sample_table import SampleTable, offered_names, refuse_table_ending
 from symbody.simulation.status import Status
 
@@ -226,7 +229,7 @@ class Trajectory(SampleTable):
         values = {name: self._stored_values(name) for name in names}
         of_samples = {name for name in names if formula_of_samples(name, self.stored) is not None}
         missing = [name for name, array in values.items() if array is None and name not in of_samples]
-        if len(missing) < 2 or not isinstance(self.evaluate, EvaluateTogether):
+        if len(missing) < 2 or not isinstance(self.evaluate, OutputEvaluator):
             return {name: self[name] for name in names}
         samples, evaluate = (np.atleast_1d(self.t), *self.state_arrays()), self.evaluate
         computed = zip(missing, evaluate.together(missing, *samples), strict=True)
@@ -266,7 +269,6 @@ class Trajectory(SampleTable):
         return output_table(list_readable(scope, symbols), scope, self.units, sizes)
 
     def _stored_values(self, name: str) -> Floats | None:
-        """Return what is stored under a name."""
         if name == "t":
             return self.t
         for array, names in (

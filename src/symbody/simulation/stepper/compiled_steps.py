@@ -34,8 +34,7 @@ from symbody.simulation.native.run import VERDICTS, RawRun, Statistics
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.numbers import StepNumbers
-from symbody.simulation.stepper.settings import WINDOW
-from symbody.simulation.stepper.step_problem import StepProblem
+from symbody.simulation.stepper.step_problem import WINDOW, StepProblem
 from symbody.single_flight import once
 
 Floats = NDArray[np.float64]
@@ -293,8 +292,7 @@ class CompiledSteps:
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""
-        start = self._numbers.t
-        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
+        self._problem.check_tables(self._numbers)
 
     def _look_ahead(self) -> None:
         array = self._numbers.array

@@ -140,10 +140,7 @@ class FmuSteps:
     def snapshot(self) -> Floats:
         """Return the numbers of the steps, and of each FMU how many samples it took and its state.
 
-        Raises
-        ------
-        UsageError
-            If an FMU cannot save its state.
+        Raises UsageError if an FMU cannot save its state.
         """
         parts = [self._inner.snapshot()]
         for unit in self._open():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, Final, Self
 
 import numpy as np
@@ -19,25 +20,13 @@ from symbody.model.first_values import FirstValue
 from symbody.simulation.events.events import Event, Occurrence
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.integration import Constraints, Integrator
-from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.compiled_steps import CompiledSteps
-from symbody.simulation.stepper.input_values import missing_values
-from symbody.simulation.stepper.lane_values import (
-    FirstLaneValue,
-    LaneValue,
-    chosen_lane,
-    chosen_lanes,
-    in_lane,
-    input_columns,
-    join_saved,
-    split_saved,
-    values_by_lane,
-)
-from symbody.simulation.stepper.numbers import read_only
-from symbody.simulation.stepper.own_copies import OwnCopies
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Steps
+from symbody.simulation.stepper.numbers import StepNumbers, missing_values, read_only, unknown_name
+from symbody.simulation.stepper.saved_stepper import not_saved, other_kind
 from symbody.simulation.stepper.side_by_side import LaneBlocks
-from symbody.simulation.stepper.stepper import Stepper
+from symbody.simulation.stepper.step_problem import StepperSettings
+from symbody.simulation.stepper.stepper import OwnCopies, Stepper
 
 Floats = NDArray[np.float64]
 
@@ -47,71 +36,36 @@ _MOST_NAMED: Final = 5  # lanes that broke off
 class Lane(Stepper):
     """One of many steppers: its numbers lie in a row beside those of the others."""
 
+    @property
+    def numbers(self) -> StepNumbers:
+        """Time, state and inputs."""
+        return self._numbers
+
+    @property
+    def settings(self) -> StepperSettings:
+        """What stays the same while it moves."""
+        return self._settings
+
+    @property
+    def steps(self) -> Steps:
+        """What takes its steps."""
+        return self._steps
+
     def move_to(self, row: Floats) -> None:
         """Keep the numbers in a row from now on."""
         self._numbers.move_to(row)
-        missing = self._missing
         self._lay_out(self._numbers)
-        self._missing = missing
         self._steps.rebind()
         self.take_block()
-
-    @property
-    def numbers(self) -> Floats:
-        """Time, state and inputs."""
-        return self._numbers.array
-
-    @property
-    def loop_steps(self) -> CompiledSteps | None:
-        """What takes its steps, if the compiled loop does so without Python."""
-        steps = self._steps
-        return steps if type(steps) is CompiledSteps and not steps.calls_python else None
-
-    @property
-    def tableau(self) -> Tableau:
-        """The method of the compiled loop."""
-        return self._settings.method.tableau
 
     def take_block(self) -> None:
         """Step with the block that its steps have now."""
         self._go_on = self._steps.go_on
 
-    @property
-    def held_places(self) -> dict[str, int]:
-        """Where the inputs that steps give stand among the numbers."""
-        return self._places
-
-    @property
-    def state_places(self) -> dict[str, int]:
-        """Where time and states stand among the numbers."""
-        return self._state_places
-
-    def begin(self) -> None:
-        """Take note that all inputs have values."""
-        self._missing.clear()
-
-    @property
-    def is_bounded(self) -> bool:
-        """Whether steps may leave tables that must not be left."""
-        return bool(self._settings.bounded_tables)
-
-    def check(self) -> None:
-        """Refuse a step that must not be taken, before anything moves.
-
-        Raises
-        ------
-        UsageError
-            See above.
-        """
-        self._steps.check()
-
     def conclude(self, code: int) -> None:
         """Take note of how a step ended that was taken together with others.
 
-        Raises
-        ------
-        SimulationError
-            If the motion cannot go on.
+        Raises SimulationError if the motion cannot go on.
         """
         if code == at.FINISHED:
             self._status = Status.SUCCESS
@@ -209,8 +163,8 @@ class LaneStepper(OwnCopies):
             for place, column in input_columns(values, inputs, self._places, len(self)):
                 self._rows[:, place] = column
         self._check_inputs()
-        if self._lanes[0].is_bounded:
-            _raise_first(self._conclude(lambda _, lane: lane.check()))
+        if self._lanes[0].settings.bounded_tables:
+            _raise_first(self._conclude(lambda _, lane: lane.steps.check()))
         blocks = self._blocks
         self._failed = (
             self._conclude(lambda _, lane: lane.step()) if blocks is None else self._step_together(blocks)
@@ -281,7 +235,7 @@ class LaneStepper(OwnCopies):
     @checked_arguments
     def __getitem__(self, name: str) -> Floats:
         """Return a coordinate, a speed, a signal, or any output or expression at present, (N, ...)."""
-        place = self._lanes[0].state_places.get(name)
+        place = self._lanes[0].numbers.state_places.get(name)
         if place is not None:
             return self._rows[:, place].copy()
         return np.array([lane[name] for lane in self._lanes])
@@ -345,13 +299,13 @@ class LaneStepper(OwnCopies):
         return f"LaneStepper({len(self)} lanes, dt={self.dt:g}): t = {t.min():.9g} to {t.max():.9g} s"
 
     @property
-    def _places(self) -> dict[str, int]:
-        return self._lanes[0].held_places
+    def _places(self) -> Mapping[str, int]:
+        return self._lanes[0].numbers.places
 
     def _adopt(self, lanes: Sequence[Lane]) -> None:
         """Step these from now on."""
         self._lanes = tuple(lanes)
-        self._rows: Floats = np.stack([lane.numbers for lane in lanes])
+        self._rows: Floats = np.stack([lane.numbers.array for lane in lanes])
         for lane, row in zip(lanes, self._rows, strict=True):
             lane.move_to(row)
         n_u, n = lanes[0].u.size, lanes[0].u.size + lanes[0].q.size + lanes[0].s.size
@@ -365,7 +319,7 @@ class LaneStepper(OwnCopies):
     def _settle(self, places: Iterable[int]) -> None:
         """Put the blocks of lanes that have new ones beside those of the others."""
         self._has_all_inputs = False
-        compiled = [steps for steps in (lane.loop_steps for lane in self._lanes) if steps is not None]
+        compiled = [steps for lane in self._lanes if (steps := _loop_steps(lane)) is not None]
         if len(compiled) < len(self._lanes) or not self._x.shape[1]:
             self._blocks = None
             for lane in self._lanes:
@@ -373,27 +327,19 @@ class LaneStepper(OwnCopies):
             return
         blocks = self._blocks
         if blocks is None or not all([blocks.take(place, compiled[place]) for place in places]):
-            self._blocks = LaneBlocks(compiled, self._rows, self._lanes[0].tableau)
+            self._blocks = LaneBlocks(compiled, self._rows, self._lanes[0].settings.method.tableau)
         for lane in self._lanes:
             lane.take_block()
         self._seen_until = min(steps.window_end for steps in compiled)
         self._reads_time = any(steps.reads_time for steps in compiled)
 
     def _check_inputs(self) -> None:
-        """Check that all inputs have values.
-
-        Raises
-        ------
-        UsageError
-            If one has none in some lane.
-        """
+        """Check that all inputs have values; raises UsageError if one has none in some lane."""
         if self._has_all_inputs:
             return
         missing = [name for name, place in self._places.items() if np.isnan(self._rows[:, place]).any()]
         if missing:
             raise missing_values(missing)
-        for lane in self._lanes:
-            lane.begin()
         self._has_all_inputs = True
 
     def _step_together(self, blocks: LaneBlocks) -> dict[int, SymbodyError]:
@@ -409,7 +355,7 @@ class LaneStepper(OwnCopies):
         """Look at what depends on time alone for further steps; return the blocks that have seen it."""
         moved = []
         for place, lane in enumerate(self._lanes):
-            steps = lane.loop_steps
+            steps = _loop_steps(lane)
             if steps is not None:
                 before = steps.block
                 steps.look_ahead()
@@ -451,14 +397,155 @@ class LaneStepper(OwnCopies):
             self._settle(places)
 
 
+def _loop_steps(lane: Lane) -> CompiledSteps | None:
+    """Return what takes the steps of a lane, if the compiled loop does so without Python."""
+    steps = lane.steps
+    return steps if type(steps) is CompiledSteps and not steps.calls_python else None
+
+
 def _raise_first(failed: Mapping[int, SymbodyError]) -> None:
     """Raise what is wrong with the first lanes, if anything is.
 
-    Raises
-    ------
-    SymbodyError
-        Of the kind of the first one.
+    Raises SymbodyError of the kind of the first one.
     """
     errors = list(failed.values())[:_MOST_NAMED]
     if errors:
         raise type(errors[0])(*(error.problems[0] for error in errors))
+
+
+LaneValue = Value | Sequence[Value] | NDArray[np.float64]
+FirstLaneValue = LaneValue | FirstValue | Sequence[FirstValue]
+
+_FORMAT: Final = b"symbody lanes 1\n"
+_SIZE: Final = 8  # bytes that say how long the next part is
+
+
+def values_by_lane(what: str, values: Mapping[str, Any] | None, lanes: int) -> list[dict[str, Any]]:
+    """Return the values of each lane; raises UsageError if there are neither one nor as many as lanes."""
+    by_lane: list[dict[str, Any]] = [{} for _ in range(lanes)]
+    if values is not None and not isinstance(values, Mapping):
+        values = dict.fromkeys(("",), values)  # refused with the words of a single stepper
+    for name, value in (values or {}).items():
+        is_each = isinstance(value, list | tuple | np.ndarray) and np.ndim(value) > 0
+        each = list(value) if is_each else [value] * lanes
+        if len(each) != lanes:
+            raise _wrong_count(f"{what}: {name}", f"{len(each)} values", lanes)
+        for own, single in zip(by_lane, each, strict=True):
+            own[name] = float(single) if isinstance(single, np.number) else single
+    return by_lane
+
+
+def input_columns(
+    values: ArrayLike | None, named: Mapping[str, ArrayLike], places: Mapping[str, int], lanes: int
+) -> list[tuple[int, Floats]]:
+    """Return inputs by their places among the numbers, each (N,) or one for all.
+
+    Raises UsageError with every name that is unknown, and every value that is no finite number or does not
+    fit the lanes.
+    """
+    problems, columns = [], []
+    if values is not None:
+        table = _numbers("step", values, ((lanes, len(places)),))
+        columns += list(zip(places.values(), table.T, strict=True))
+    for name, value in named.items():
+        if name not in places:
+            problems.append(
+                unknown_name("input", name, places, "step() accepts inputs without a formula only")
+            )
+            continue
+        columns.append((places[name], _numbers(name, value, ((lanes,), ()))))
+    if problems:
+        raise UsageError(*problems)
+    return columns
+
+
+def in_lane(place: int, error: SymbodyError) -> SymbodyError:
+    """Return the first problem of an error as one of a lane."""
+    first = error.problems[0]
+    return type(error)(replace(first, where=f"lane {place}, {first.where}"))
+
+
+def chosen_lanes(only: ArrayLike | None, lanes: int) -> tuple[int, ...]:
+    """Return the lanes that a caller means; raises UsageError if these are no lanes."""
+    if only is None:
+        return tuple(range(lanes))
+    try:
+        array = np.atleast_1d(np.asarray(only))
+    except ValueError:  # lists of several lengths
+        raise _no_lanes(only, lanes) from None
+    if array.dtype == np.bool_ and array.shape == (lanes,):
+        return tuple(np.flatnonzero(array).tolist())
+    is_fit = array.ndim == 1 and (array.dtype.kind in "iu" or not array.size)
+    if not is_fit or (array < -lanes).any() or (array >= lanes).any():
+        raise _no_lanes(only, lanes)
+    return tuple(dict.fromkeys(int(place) % lanes for place in array))
+
+
+def chosen_lane(number: ArrayLike, lanes: int) -> int:
+    """Return the one lane that a caller means; raises UsageError if this is no lane, or several."""
+    if not isinstance(number, int | np.integer):
+        raise UsageError(
+            Problem("stepper.lanes", "lanes", f"{number!r} is not a lane",
+            f"there are {lanes} lanes, counted from 0",
+                    f"give a number below {lanes}")
+        )  # fmt: skip
+    (place,) = chosen_lanes(number, lanes)
+    return place
+
+
+def join_saved(parts: Sequence[bytes]) -> bytes:
+    """Return what single steppers have saved as one."""
+    return _FORMAT + b"".join(len(part).to_bytes(_SIZE, "little") + part for part in parts)
+
+
+def split_saved(saved: bytes, lanes: int) -> list[bytes]:
+    """Return the parts that `join_saved` put together.
+
+    Raises UsageError if the bytes are not whole, or those of another number of lanes.
+    """
+    if not saved.startswith(_FORMAT):
+        raise not_saved("these bytes do not come from save() of this version")
+    parts = list(_parts(saved[len(_FORMAT) :]))
+    if len(parts) != lanes:
+        raise other_kind()
+    return parts
+
+
+def _parts(content: bytes) -> Iterator[bytes]:
+    while content:
+        end = _SIZE + int.from_bytes(content[:_SIZE], "little")
+        if len(content) < end:
+            raise not_saved("the bytes were cut or changed")
+        yield content[_SIZE:end]
+        content = content[end:]
+
+
+def _numbers(name: str, value: ArrayLike, shapes: Sequence[tuple[int, ...]]) -> Floats:
+    """Return finite numbers in one of some shapes, the first of which has the lanes first."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.full(shapes[0], np.nan)
+    if array.shape not in shapes:
+        raise _wrong_count(name, f"an array of shape {array.shape}", shapes[0][0], shapes[0])
+    if not np.isfinite(array).all():
+        raise UsageError(
+            Problem("stepper.input_value", name, f"{name} is not finite in every lane", "",
+                    f"give finite numbers, as step({name}=values)")
+        )  # fmt: skip
+    return array
+
+
+def _no_lanes(only: ArrayLike, lanes: int) -> UsageError:
+    return UsageError(
+        Problem("stepper.lanes", "lanes", f"{only!r} is not a choice of lanes",
+        f"there are {lanes} lanes, counted from 0",
+                f"give numbers below {lanes}, or an array of {lanes} times True or False")
+    )  # fmt: skip
+
+
+def _wrong_count(where: str, what: str, lanes: int, shape: tuple[int, ...] = ()) -> UsageError:
+    fits = f"an array of shape {shape}" if len(shape) > 1 else f"one value, or {lanes}"
+    return UsageError(
+        Problem("stepper.lane_values", where, f"{lanes} lanes do not accept {what}", "", f"give {fits}")
+    )

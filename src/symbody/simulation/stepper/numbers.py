@@ -1,14 +1,17 @@
-"""The numbers of a stepper: time, state and inputs, at places that stay the same as long as it lives."""
+"""The numbers of a stepper: time, state and inputs as callers give them, at places that stay."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any, Final, SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.state import State
+from symbody.errors import Problem, UsageError, nearest
 from symbody.kernels import stepping as at
 
 Floats = NDArray[np.float64]
@@ -25,21 +28,34 @@ class StepNumbers:
         The state (u, q, work), a view.
     inputs : (n_r,) array
         The inputs that are arguments of the right-hand side, a view; NaN where none was given yet.
+    places, state_places : mappings of name to int
+        Where the inputs that steps give, and time and states, stand in the array.
     """
 
-    __slots__ = ("array", "inputs", "x")
+    __slots__ = ("array", "inputs", "places", "state_places", "x")
 
-    def __init__(self, array: Floats, n: int) -> None:
-        self.array = array
-        self.x: Floats = array[at.STATE_AT :][:n]
-        self.inputs: Floats = array[at.STATE_AT + n :]
+    def __init__(
+        self, array: Floats, n: int, places: Mapping[str, int], state_places: Mapping[str, int]
+    ) -> None:
+        self.places, self.state_places = places, state_places
+        self.array, self.x, self.inputs = array, array[at.STATE_AT :][:n], array[at.STATE_AT + n :]
 
     @classmethod
-    def fresh(cls, n: int, inputs: int) -> StepNumbers:
-        """Return numbers of n states and so many inputs, none of which has a value."""
-        numbers = cls(np.zeros(at.STATE_AT + n + inputs), n)
+    def fresh(cls, states: Sequence[str], inputs: Sequence[str], of_steps: Container[str]) -> StepNumbers:
+        """Return numbers of states and inputs, none of which has a value; steps give some of these."""
+        names = (*states, "work")
+        first = at.STATE_AT + len(names)
+        state_places = {name: at.STATE_AT + names.index(name) for name in names}  # the first of equal ones
+        places = {name: first + k for k, name in enumerate(inputs) if name in of_steps}
+        array = np.zeros(first + len(inputs))
+        numbers = cls(array, len(names), places, {**state_places, "t": at.NOW})
         numbers.inputs[:] = np.nan
         return numbers
+
+    @property
+    def unset_inputs(self) -> list[str]:
+        """The inputs that steps give, but have not given yet."""
+        return [name for name, place in self.places.items() if np.isnan(self.array[place])]
 
     @property
     def t(self) -> float:
@@ -54,7 +70,7 @@ class StepNumbers:
 
     def copy(self) -> StepNumbers:
         """Return the same numbers at another place."""
-        return StepNumbers(self.array.copy(), self.x.size)
+        return StepNumbers(self.array.copy(), self.x.size, self.places, self.state_places)
 
     def next_end(self) -> float:
         """Begin a step outside the compiled loop; return its end [s]."""
@@ -116,3 +132,67 @@ def read_only(array: Floats) -> Floats:
 def state_values(state: State) -> Floats:
     """Return (u, q) of a state."""
     return np.array([*state.u.values(), *state.q.values(), *state.s.values()])
+
+
+_INFINITY: Final = math.inf
+
+
+def set_inputs(array: Floats, places: Mapping[str, int], given: Mapping[str, Any]) -> None:
+    """Set inputs at their places of an array, all or none; raises UsageError as `checked_inputs`."""
+    for name, value in given.items():
+        if name not in places or not isinstance(value, float) or not -_INFINITY < value < _INFINITY:
+            for place, number in checked_inputs(given, places).items():
+                array[place] = number
+            return
+    for name, value in given.items():
+        array[places[name]] = value
+
+
+def checked_inputs(given: Mapping[str, object], places: Mapping[str, int]) -> dict[int, float]:
+    """Return values by their places.
+
+    Raises UsageError with every name that is unknown, and every value that is not one finite number.
+    """
+    problems, values = [], {}
+    for name, value in given.items():
+        if name not in places:
+            problems.append(
+                unknown_name("input", name, places, "step() accepts inputs without a formula only")
+            )
+            continue
+        what = _fault(value)
+        if what:
+            fix = f"give one number, as step({name}=float(VALUE))"
+            problems.append(Problem("stepper.input_value", name, f"{name} is {what}", "", fix))
+        elif isinstance(value, SupportsFloat):
+            values[places[name]] = float(value)
+    if problems:
+        raise UsageError(*problems)
+    return values
+
+
+def missing_values(names: Iterable[str]) -> UsageError:
+    """Return what to say about inputs without a value."""
+    first, *others = sorted(names)
+    listed = ", ".join([first, *others])
+    return UsageError(
+        Problem("stepper.input_without_value", "step", f"no value was given for {listed}",
+                "inputs without a formula hold the value of the last step, and have no value before the "
+                "first",
+                f'call step({first}=0.0), or create the stepper with inputs={{"{first}": 0}}')
+    )  # fmt: skip
+
+
+def _fault(value: object) -> str:
+    """Return what is wrong with a value, empty if it is a finite number."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        return f"{value!r}, not a number"
+    if array.ndim:
+        return f"an array of shape {array.shape}"
+    return "" if math.isfinite(float(array)) else f"{float(array)}, not a finite number"
+
+
+def unknown_name(kind: str, name: str, names: Iterable[str], why: str = "") -> Problem:
+    """Return what to say about a name that a stepper does not have."""
+    return Problem("stepper.unknown_name", name, f"there is no {kind} {name!r}", why, nearest(name, names))

@@ -9,7 +9,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from symbody.errors import Problem, UsageError
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.settings import StepperSettings
+from symbody.simulation.stepper.step_problem import StepperSettings
 
 Floats = NDArray[np.float64]
 
@@ -66,10 +66,7 @@ class SavedStepper:
 def read_saved(saved: object) -> SavedStepper:
     """Return the content of saved bytes.
 
-    Raises
-    ------
-    UsageError
-        If these are not bytes that `Stepper.save` returned, or not all of them.
+    Raises UsageError if these are not bytes that `Stepper.save` returned, or not all of them.
     """
     if not isinstance(saved, bytes):
         raise not_saved(f"{type(saved).__name__} is not what save() returns")
@@ -80,7 +77,17 @@ def read_saved(saved: object) -> SavedStepper:
         raise not_saved("the bytes were cut or changed")
     line, _, values = content.partition(b"\n")
     try:
-        return _read_content(json.loads(line), np.frombuffer(values, dtype=_REAL).astype(np.float64))
+        header, numbers = json.loads(line), np.frombuffer(values, dtype=_REAL).astype(np.float64)
+        first, second = header["sizes"]
+        parameters, status = dict(header["parameters"]), Status[header["status"]]
+        are_plain = all(isinstance(value, str | int | float) for value in parameters.values())
+        if numbers.size != first + second or not are_plain:
+            raise ValueError
+        events = tuple(
+            Occurrence(str(name), float(t), {str(key): float(x) for key, x in state.items()})
+            for name, t, state in header["events"]
+        )
+        return SavedStepper(str(header["kind"]), parameters, status, events, numbers[:first], numbers[first:])
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise not_saved("the bytes have a hash, but no content of a stepper") from error
 
@@ -103,39 +110,11 @@ def _law_content(law: object) -> object:
     return getattr(law, "__module__", kind.__module__), getattr(law, "__qualname__", kind.__qualname__)
 
 
-def _read_content(header: Mapping[str, Any], values: Floats) -> SavedStepper:
-    first, second = header["sizes"]
-    if values.size != first + second:
-        raise ValueError
-    parameters = dict(header["parameters"])
-    if not all(isinstance(value, str | int | float) for value in parameters.values()):
-        raise TypeError
-    events = tuple(
-        Occurrence(str(name), float(t), {str(key): float(x) for key, x in state.items()})
-        for name, t, state in header["events"]
-    )
-    return SavedStepper(
-        str(header["kind"]), parameters, Status[header["status"]], events, values[:first], values[first:]
-    )
-
-
 def saved_parameters(parameters: Mapping[str, Value]) -> dict[str, Value]:
     """Return values of parameters as they are saved: numbers, and formulas as text."""
     return {
         name: value if isinstance(value, int | float) else str(value) for name, value in parameters.items()
     }
-
-
-def check_kind(saved: SavedStepper, settings: StepperSettings, size: int) -> None:
-    """Refuse what a stepper of other equations or settings has saved.
-
-    Raises
-    ------
-    UsageError
-        If its kind, or how many numbers it has, differs.
-    """
-    if saved.kind != kind_of(settings) or saved.numbers.size != size:
-        raise other_kind()
 
 
 def other_kind() -> UsageError:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.kernels import block as at
-from symbody.kernels import stepping
 from symbody.simulation.drive import Driven, drive
 from symbody.simulation.events.events import EventSide, Occurrence
 from symbody.simulation.hybrid.switching import switching_modes
@@ -78,7 +77,6 @@ class SeparateMotions:
         return at.FINISHED if arrived else OTHERWISE
 
     def _run(self, start: float, end: float) -> Driven:
-        """Return the motion of a step."""
         if self._sampler is not None:
             self._sampler.begin_anew()
         x = np.append(self._numbers.x[:-1], 0.0)
@@ -87,8 +85,7 @@ class SeparateMotions:
 
     def check(self) -> None:
         """Refuse a step that leaves a table which must not be left."""
-        start = self._numbers.t
-        self._problem.check_tables(start, start + float(self._numbers.array[stepping.DURATION]))
+        self._problem.check_tables(self._numbers)
 
     def end(self, code: int) -> Ending:
         """Return how the last step ended; `code` says only that it was not as usual."""

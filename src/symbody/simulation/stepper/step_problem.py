@@ -1,29 +1,162 @@
-"""The equations of a stepper with values of parameters, and with inputs that are given step by step."""
+"""What a stepper moves: its arguments, checked, equations with values of parameters, closed states."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.assembly import assemble
-from symbody.analysis.scales import Scales, mechanism_scales
+from symbody.analysis.configurations.assembly import assemble, close
+from symbody.analysis.configurations.unsubstituted import with_followers
+from symbody.analysis.constraint_evaluator import constraint_evaluator
+from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
+from symbody.equations.closing_equations import closing_equations
+from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.unilateral import unilateral_elements
+from symbody.errors import Problem, UsageError
+from symbody.kernels import stepping
+from symbody.simulation.events.events import Event
+from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, held_later
-from symbody.simulation.inputs.input_laws import Callback, InputLaws, input_laws
-from symbody.simulation.methods.integration import work_tolerance
+from symbody.simulation.inputs.input_laws import Callback, InputLaws, Law, input_laws, laws_of_tables
+from symbody.simulation.inputs.tables import Table
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.explicit import Explicit
+from symbody.simulation.methods.fixed_step import FixedStep
+from symbody.simulation.methods.integration import DEFAULT, Constraints, Integrator, work_tolerance
 from symbody.simulation.motion import Motion
 from symbody.simulation.sampling.held_signals import held_signals
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.stepper.numbers import StepNumbers
-from symbody.simulation.stepper.settings import WINDOW, StepperSettings
+from symbody.simulation.stepper.numbers import StepNumbers, state_values, unknown_name
 
 Floats = NDArray[np.float64]
+
+
+# What depends on time alone is looked at for so many steps ahead.
+WINDOW: Final = 1000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepperSettings:
+    """What stays the same while a stepper moves.
+
+    Attributes
+    ----------
+    eqs, moving : EquationSet
+        The equations as given, and with the stabilizing terms of `Baumgarte`.
+    initial, guess : mapping of name to number or formula
+        Values at the start, as for `simulate`.
+    t_start : float
+        When that is [s].
+    held : tuple of str
+        Inputs that are constant in each step: those that steps give, and those that FMUs compute.
+    laws : mapping of name to law
+        Of other inputs; those without one are 0.
+    max_steps : int
+        How many steps of the integrator one step may take.
+    """
+
+    eqs: EquationSet
+    moving: EquationSet
+    dt: float
+    initial: Mapping[str, Value]
+    guess: Mapping[str, Value]
+    t_start: float
+    held: tuple[str, ...]
+    laws: Mapping[str, Law]
+    integrator: Integrator | None
+    constraints: Constraints | None
+    events: tuple[Event, ...]
+    rtol: float
+    atol: float | None
+    scales: Mapping[str, float] | None
+    max_steps: int
+    fmus: Mapping[str, FmuInput] = field(default_factory=dict)
+
+    @property
+    def inputs_of_steps(self) -> tuple[str, ...]:
+        """Inputs that steps give."""
+        return tuple(name for name in self.held if name not in self.fmus)
+
+    @property
+    def bounded_tables(self) -> dict[str, Table]:
+        """Inputs by tables that no step may leave."""
+        laws = {name: Table(*law) if isinstance(law, tuple) else law for name, law in self.laws.items()}
+        tables = {name: law for name, law in laws.items() if isinstance(law, Table)}
+        return {name: table for name, table in tables.items() if table.outside == "error"}
+
+    @property
+    def method(self) -> Explicit | FixedStep:
+        """The integrator of the compiled loop."""
+        return self.integrator if isinstance(self.integrator, Explicit | FixedStep) else DEFAULT
+
+    @property
+    def projection(self) -> Projection | None:
+        """What closes loops after each of its steps; None where `Baumgarte` holds them."""
+        if isinstance(self.constraints, Baumgarte):
+            return None
+        return self.constraints if isinstance(self.constraints, Projection) else Projection()
+
+
+def split_inputs(
+    eqs: EquationSet, inputs: Mapping[str, Law] | Iterable[str] | None
+) -> tuple[tuple[str, ...], Mapping[str, Law], Mapping[str, FmuInput]]:
+    """Return the inputs that steps hold, in the order of the equations, the laws of others, and FMUs.
+
+    Raises UsageError if it is neither a mapping nor names, or a name is unknown.
+    """
+    laws: Mapping[str, Law] = inputs if isinstance(inputs, Mapping) else {}
+    sampled = held_later(eqs)
+    open_names = tuple(name for name in eqs.input_names if name not in sampled)
+    named: object = open_names if inputs is None else inputs
+    names: tuple[object, ...] = tuple(named) if isinstance(named, Iterable) else (named,)
+    if isinstance(named, str):
+        names = (named,)
+    problems = [
+        Problem("stepper.inputs", "inputs", f"{name!r} is not the name of an input", "",
+                'give laws, as {"F": "sin(t)"}, or names, as ["F"]')
+        for name in names if not isinstance(name, str)
+    ] or [
+        unknown_name("input", str(name), open_names) for name in names if name not in open_names
+    ]  # fmt: skip
+    if problems:
+        raise UsageError(*problems)
+    if isinstance(inputs, Mapping):
+        fmus = {name: law for name, law in laws.items() if isinstance(law, FmuInput)}
+        kept = {name: law for name, law in laws.items() if name not in fmus}
+        tables = {name: law for name, law in laws_of_tables(eqs).items() if name not in laws}
+        laws = {**tables, **kept, **sampled}
+        return tuple(name for name in eqs.input_names if name not in laws), laws, fmus
+    tables = {name: law for name, law in laws_of_tables(eqs).items() if inputs is None or name not in names}
+    held = tuple(name for name in eqs.input_names if name in names and name not in tables)
+    return held, {**tables, **sampled}, {}
+
+
+def checked_duration(name: str, value: object) -> float:
+    """Return the length of a step [s]; raises UsageError if it is not a positive finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        raise UsageError(
+            Problem("stepper.dt", name, f"{name} = {value!r} is not a valid step size",
+                    "steps advance by a finite positive time", "give seconds, such as 0.001")
+        )  # fmt: skip
+    return float(value)
+
+
+def checked_start(t: object) -> float:
+    """Return the time at the start [s]; raises UsageError if it is not a finite number."""
+    if isinstance(t, bool) or not isinstance(t, int | float) or not math.isfinite(t):
+        raise UsageError(
+            Problem("stepper.t", "t", f"t = {t!r} is not a valid time", "", "give finite seconds")
+        )
+    return float(t)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,16 +234,10 @@ class StepProblem:
             settings.events, settings.integrator, settings.constraints,
         )  # fmt: skip
 
-    def check_tables(self, start: float, end: float) -> None:
-        """Refuse a step that leaves a table which must not be left.
-
-        Raises
-        ------
-        UsageError
-            Naming the input.
-        """
+    def check_tables(self, numbers: StepNumbers) -> None:
+        """Refuse a step that leaves a table which must not be left; raises UsageError naming the input."""
         for name, table in self.settings.bounded_tables.items():
-            table.check_span(name, start, end)
+            table.check_span(name, numbers.t, numbers.t + float(numbers.array[stepping.DURATION]))
 
 
 def own_laws(settings: StepperSettings, t: float) -> InputLaws:
@@ -127,12 +254,14 @@ def step_problem(
 ) -> StepProblem:
     """Return the equations with values of parameters; what counts as large stays as it was `before`."""
     parameter_set(settings.eqs, parameters).require_possible()
-    laws, own = own_laws(settings, numbers.t), dict(parameters)
-    scales = _scales(settings, parameters, numbers.x) if before is None else before.problem.scales
-    problem = SimulationProblem(settings.moving, own, _all_laws(settings, laws, numbers), scales)
-    made = StepProblem(settings, own, problem, laws, () if before is None else before.tolerances)
+    eqs, laws, own = settings.eqs, own_laws(settings, numbers.t), dict(parameters)
+    everything = _all_laws(settings, laws, numbers)
     if before is not None:
-        return made
+        problem = SimulationProblem(settings.moving, own, everything, before.problem.scales)
+        return StepProblem(settings, own, problem, laws, before.tolerances)
+    q = dict(zip(eqs.coordinate_names, numbers.x[len(eqs.speed_names) :].tolist(), strict=False))
+    scales = mechanism_scales(eqs, own, settings.scales, q).fit_span(0.0, WINDOW * settings.dt)
+    made = StepProblem(settings, own, SimulationProblem(settings.moving, own, everything, scales), laws, ())
     motion = made.integration(numbers.x, (numbers.t, numbers.t + settings.dt))
     return replace(made, tolerances=(*motion.tolerances.tolist(), work_tolerance(motion)))
 
@@ -173,8 +302,35 @@ def _all_laws(settings: StepperSettings, laws: InputLaws, numbers: StepNumbers) 
     return InputLaws(laws.formulas, callbacks, laws.notes, tables, coordinates=laws.coordinates)
 
 
-def _scales(settings: StepperSettings, parameters: Mapping[str, Value], x: Floats) -> Scales:
-    names = settings.eqs.coordinate_names
-    q = dict(zip(names, x[len(settings.eqs.speed_names) :][: len(names)].tolist(), strict=True))
-    scales = mechanism_scales(settings.eqs, dict(parameters), settings.scales, q)
-    return scales.fit_span(0.0, WINDOW * settings.dt)
+def close_again(problem: StepProblem, numbers: StepNumbers, parameters: Mapping[str, Value]) -> Floats | None:
+    """Return the closed state (u, q, s) nearest to the present one with values of parameters.
+
+    Of mechanisms in which nothing has to be closed None.
+    """
+    eqs, formulas, x = problem.settings.eqs, problem.own_laws.formulas, numbers.x[:-1].copy()
+    whole = closing_equations(eqs)
+    if not (whole.multiplier_names or whole.quaternions):
+        return None
+    if unilateral_elements(eqs.formed):  # which of them are taut follows from the state
+        return state_values(nearest_state(problem, numbers, parameters, {}))
+    scales = mechanism_scales(whole, parameters, problem.problem.scales.sizes)
+    signals = x[len(eqs.speed_names) + len(eqs.coordinate_names) :]
+    evaluator = constraint_evaluator(whole, parameters, formulas, numbers.t, scales, signals=signals)
+    present = dict(zip(eqs.state_names, x.tolist(), strict=True))
+    present = with_followers(eqs, present, problem.parameters)
+    near = {name: present[name] for name in whole.coordinate_names}
+    q, u = close(evaluator, {}, near, np.array([present[name] for name in whole.speed_names]))
+    closed = dict(zip((*whole.coordinate_names, *whole.speed_names), [*q, *u], strict=True))
+    return np.array([closed.get(name, present[name]) for name in eqs.state_names])
+
+
+def nearest_state(
+    problem: StepProblem, numbers: StepNumbers, parameters: Mapping[str, Value], inputs: Mapping[str, float]
+) -> State:
+    """Return the present state, closed, with accelerations and multipliers; `inputs` are those of steps."""
+    eqs = problem.settings.eqs
+    near = dict(zip(eqs.state_names, numbers.x.tolist(), strict=False))
+    given = {**problem.own_laws.formulas, **inputs}
+    return assemble(
+        eqs, None, near, parameters=parameters, inputs=given, t=numbers.t, scales=problem.problem.scales.sizes
+    )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Self
+from dataclasses import replace
+from typing import NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,46 +15,79 @@ from symbody.analysis.state import State
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import UsageError
+from symbody.equations.solving.modal_equations import permanent_equations, switches
+from symbody.errors import Problem, SimulationError, UsageError
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.model.first_values import FirstValue, Initial, by_priority
 from symbody.simulation.events.events import Event, Occurrence, check_events
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.inputs.input_laws import Law
-from symbody.simulation.methods.constraints import Baumgarte
+from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
+from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Constraints, Integrator
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
-from symbody.simulation.stepper.choose_steps import broken_off, steps_of
-from symbody.simulation.stepper.closed_states import close_again, nearest_state
-from symbody.simulation.stepper.compiled_steps import Steps
-from symbody.simulation.stepper.input_values import checked_inputs, missing_values, set_inputs
-from symbody.simulation.stepper.numbers import StepNumbers, read_only, state_values
-from symbody.simulation.stepper.own_copies import OwnCopies
+from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
+from symbody.simulation.stepper.fmu_steps import FmuSteps
+from symbody.simulation.stepper.hybrid_steps import HybridSteps
+from symbody.simulation.stepper.numbers import (
+    StepNumbers,
+    checked_inputs,
+    missing_values,
+    read_only,
+    set_inputs,
+    state_values,
+    unknown_name,
+)
 from symbody.simulation.stepper.saved_stepper import (
     SavedStepper,
-    check_kind,
     kind_of,
     other_kind,
     read_saved,
     saved_parameters,
 )
-from symbody.simulation.stepper.settings import (
+from symbody.simulation.stepper.separate_motions import SeparateMotions
+from symbody.simulation.stepper.step_problem import (
     StepperSettings,
+    StepProblem,
     checked_duration,
     checked_start,
-    split_inputs,
-    unknown_name,
-)
-from symbody.simulation.stepper.step_problem import (
-    StepProblem,
+    close_again,
     first_state,
     inputs_read,
+    nearest_state,
     own_laws,
+    split_inputs,
     step_problem,
 )
 
 Floats = NDArray[np.float64]
+
+
+class OwnCopies(ABC):
+    """Motions that `copy.copy` and `copy.deepcopy` copy by their own method, and that are not pickled."""
+
+    @abstractmethod
+    def copy(self) -> Self:
+        """Return another that goes on from here by itself."""
+
+    def __copy__(self) -> Self:
+        return self.copy()
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self.copy()
+
+    def __reduce__(self) -> NoReturn:
+        kind = type(self).__name__
+        raise UsageError(
+            Problem("stepper.pickle", kind, f"a {kind} cannot be pickled",
+            "it contains addresses of machine code",
+                    "pass on the bytes of save(), and restore() them in one created with the same arguments")
+        )  # fmt: skip
 
 
 class Stepper(OwnCopies):
@@ -127,11 +162,15 @@ class Stepper(OwnCopies):
         )  # fmt: skip
         own = own_laws(settings, start)
         self._input_notes = (
-            *(f"input {name} has no formula and is 0" for name in settings.silent),
+            *(
+                f"input {name} has no formula and is 0"
+                for name in eqs.input_names
+                if name not in {*held, *laws}
+            ),
             *own.notes,
         )
         self._settings, self._names = settings, inputs_read(settings, own)
-        self._lay_out(StepNumbers.fresh(len(eqs.state_names) + 1, len(self._names)))
+        self._lay_out(StepNumbers.fresh(eqs.state_names, self._names, settings.inputs_of_steps))
         self._numbers.begin(start, duration, state_values(first_state(settings, dict(parameters or {}))))
         self._status = Status.SUCCESS
         self._use(dict(parameters or {}), None)
@@ -156,8 +195,8 @@ class Stepper(OwnCopies):
             return self._step_once(duration, inputs)
         if inputs:
             set_inputs(self._numbers.array, self._places, inputs)
-        if self._missing:
-            self._check_missing(inputs)
+        if not self._has_all_inputs:
+            self._check_inputs()
         code = self._go_on()
         if code != at.FINISHED:
             self._end(code)
@@ -213,8 +252,8 @@ class Stepper(OwnCopies):
     @property
     def inputs(self) -> dict[str, float]:
         """The inputs that steps give, with their values at present; those without a value are missing."""
-        item = self._numbers.array.item
-        return {name: item(k) for name, k in self._places.items() if name not in self._missing}
+        item, missing = self._numbers.array.item, self._numbers.unset_inputs
+        return {name: item(k) for name, k in self._places.items() if name not in missing}
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -232,7 +271,7 @@ class Stepper(OwnCopies):
         UsageError
             If it depends on an input that has no value yet.
         """
-        place = self._state_places.get(name)
+        place = self._numbers.state_places.get(name)
         if place is not None:
             return self._numbers.array.item(place)
         moving = self._steps.motion_problem
@@ -240,8 +279,8 @@ class Stepper(OwnCopies):
         with self._steps.at_present():
             inputs = self._problem.inputs_now(self._numbers, moving)
         value = np.asarray(function.of_state(self.t, self._numbers.x[:-1], inputs))
-        if self._missing and not np.isfinite(value).all():
-            raise missing_values(self._missing)
+        if not (self._has_all_inputs or np.isfinite(value).all()):
+            self._check_inputs()
         return float(value) if value.ndim == 0 else value
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -256,8 +295,7 @@ class Stepper(OwnCopies):
         UsageError
             If an input has no value yet.
         """
-        if self._missing:
-            raise missing_values(self._missing)
+        self._check_inputs()
         inputs_now = self._problem.inputs_now(self._numbers, self._steps.motion_problem)
         inputs = dict(zip(self._names, inputs_now, strict=False))
         return nearest_state(self._problem, self._numbers, self._problem.parameters, inputs)
@@ -286,7 +324,6 @@ class Stepper(OwnCopies):
             moved = close_again(self._problem, self._numbers, parameters)
             self._use(parameters, self._problem, moved)
         set_inputs(self._numbers.array, self._places, inputs)
-        self._missing.difference_update(inputs)
         return self
 
     @checked_arguments
@@ -304,7 +341,7 @@ class Stepper(OwnCopies):
         others, near = by_priority({**(initial or {}), **values}, {})
         first = first_state(self._settings, self._problem.parameters, others, near)
         self._numbers.begin(self._settings.t_start, self.dt, state_values(first))
-        self._missing = set(self._settings.inputs_of_steps)
+        self._has_all_inputs = False
         self._steps.restart(others)
         self._take(self._problem, self._steps, self._slow, Status.SUCCESS)
         return self
@@ -314,7 +351,6 @@ class Stepper(OwnCopies):
         other = object.__new__(type(self))
         other._settings, other._names, other._input_notes = self._settings, self._names, self._input_notes
         other._lay_out(self._numbers.copy())
-        other._missing = set(self._missing)
         problem = step_problem(self._settings, self._problem.parameters, other._numbers, self._problem)
         other._take(problem, self._steps.copy(problem, other._numbers), self._slow, self._status)
         other._steps.occurrences = self._steps.occurrences
@@ -339,7 +375,8 @@ class Stepper(OwnCopies):
             If the bytes are damaged, or a stepper of other equations or settings has saved them.
         """
         content, numbers, problem = read_saved(saved), self._numbers, self._problem
-        check_kind(content, self._settings, numbers.array.size)
+        if content.kind != kind_of(self._settings) or content.numbers.size != numbers.array.size:
+            raise other_kind()
         steps, slow = self._steps, self._slow
         with numbers.unless_it_fails():
             numbers.take(content.numbers)
@@ -350,7 +387,7 @@ class Stepper(OwnCopies):
                 raise other_kind()
             steps.resume(content.kept)
             numbers.take(content.numbers)
-        self._missing = {name for name, place in self._places.items() if np.isnan(numbers.array[place])}
+        self._has_all_inputs = False
         self._take(problem, steps, slow, content.status)
         steps.occurrences = content.events
         return self
@@ -360,17 +397,11 @@ class Stepper(OwnCopies):
         return f"Stepper({self._settings.eqs.model.name!r}, dt={self.dt:g}): t = {self.t:.9g} s, {values}"
 
     def _lay_out(self, numbers: StepNumbers) -> None:
-        """Use these numbers for as long as the stepper lives, and name their places."""
+        """Use these numbers where they lie now."""
         n_u = len(self._settings.eqs.speed_names)
-        self._numbers = numbers
         n, x = n_u + len(self._settings.eqs.coordinate_names), numbers.x
+        self._numbers, self._places, self._has_all_inputs = numbers, numbers.places, False
         self._u, self._q, self._s = map(read_only, (x[:n_u], x[n_u:n], x[n:-1]))
-        names = (*self._settings.eqs.state_names, "work")
-        places = {name: stepping.STATE_AT + names.index(name) for name in names}  # the first of equal ones
-        self._state_places = places | {"t": stepping.NOW}
-        first = stepping.STATE_AT + len(names)
-        self._missing = set(self._settings.inputs_of_steps)
-        self._places = {name: first + k for k, name in enumerate(self._names) if name in self._missing}
 
     def _use(
         self, parameters: Mapping[str, Value], before: StepProblem | None, moved: Floats | None = None
@@ -391,17 +422,11 @@ class Stepper(OwnCopies):
         self._problem, self._steps, self._slow, self._status = problem, steps, slow, status
         self._go_on = steps.go_on
 
-    def _check_missing(self, given: Iterable[str]) -> None:
-        """Note which inputs have a value now.
-
-        Raises
-        ------
-        UsageError
-            If one has none.
-        """
-        self._missing.difference_update(given)
-        if self._missing:
-            raise missing_values(self._missing)
+    def _check_inputs(self) -> None:
+        """Take note that all inputs have values; raises UsageError if one has none."""
+        if missing := self._numbers.unset_inputs:
+            raise missing_values(missing)
+        self._has_all_inputs = True
 
     def _step_once(self, duration: float, inputs: Mapping[str, float]) -> Self:
         self._numbers.set_duration(checked_duration("step", duration))
@@ -413,12 +438,44 @@ class Stepper(OwnCopies):
     def _end(self, code: int) -> None:
         """Bring a step to its end that did not come to it at once.
 
-        Raises
-        ------
-        SimulationError
-            If the motion cannot go on.
+        Raises SimulationError if the motion cannot go on.
         """
         ending = self._steps.end(code)
         self._status = ending.status
         if not ending.status.success:
             raise broken_off(self.t, ending)
+
+
+def steps_of(problem: StepProblem, numbers: StepNumbers) -> tuple[Steps, tuple[str, ...]]:
+    """Return what takes the steps of a problem, and a note on why they are slow where they are."""
+    eqs, reason = problem.settings.moving, why_separate(problem, numbers)
+    may_jump_here = eqs.plans.get("may jump", lambda: may_jump(eqs))
+    has_instants = problem.settings.events or held_later(eqs) or switches(eqs.formed) or may_jump_here
+    kind = SeparateMotions if reason else HybridSteps if has_instants else CompiledSteps
+    steps: Steps = kind(problem, numbers)
+    notes = (f"each step is a separate simulation, which is slow: {reason}",) if reason else ()
+    return (FmuSteps(steps, problem, numbers) if problem.settings.fmus else steps), notes
+
+
+def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
+    """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
+    settings = problem.settings
+    eqs = settings.moving
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+        return f"sb.{type(settings.integrator).__name__}() restarts in each step"
+    if not isinstance(settings.constraints, Projection | Baumgarte | None):
+        return f"sb.{type(settings.constraints).__name__}() restarts in each step"
+    if eqs.formed.elimination is not None:
+        return "pivots of dependent speeds are monitored"
+    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
+    if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
+        return "some constraints are redundant only where all loops are closed"
+    return ""
+
+
+def broken_off(t: float, ending: Ending) -> SimulationError:
+    """Return what to say about a step that did not come to its end."""
+    return SimulationError(
+        Problem("stepper.broke_off", f"t = {t:.9g} s", f"the step was aborted: {ending.note}",
+                ending.status.value, "reset() the stepper, or restore() a state saved before")
+    )  # fmt: skip

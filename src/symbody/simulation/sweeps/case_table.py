@@ -132,15 +132,13 @@ def case_table(
 ) -> CaseTable:
     """Return the cases that mappings of names to values, sequences of values, or `Samples` stand for.
 
+    Raises UsageError listing every sequence that is empty, not finite, or of another length than the others
+    in a list.
+
     Parameters
     ----------
     check : callable, optional
         Called with the numbers of cases and of names that vary, before any memory is taken for them.
-
-    Raises
-    ------
-    UsageError
-        Listing every sequence that is empty, not finite, or of another length than the others in a list.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise UsageError(
@@ -149,10 +147,16 @@ def case_table(
         )  # fmt: skip
     entries = {("parameters", name): value for name, value in parameters.items()}
     entries |= {("initial", name): value for name, value in initial.items()}
-    lists = {key: value for key, value in entries.items() if _varies(value)}
+    lists = {
+        key: value
+        for key, value in entries.items()
+        if not (isinstance(value, Samples) or _is_constant(value))
+    }
     drawn = {key: value for key, value in entries.items() if isinstance(value, Samples)}
     columns = _check_columns(lists, combine, bool(drawn), samples)
-    count, each = _count(columns, combine), samples if drawn and samples is not None else 1
+    sizes = [column.size for column in columns.values()]
+    count = math.prod(sizes) if combine == "product" else max(sizes, default=1)
+    each = samples if drawn and samples is not None else 1
     if check is not None:
         check(count * each, len(columns) + len(drawn))
     rows: dict[tuple[str, str], Floats] = {}
@@ -170,10 +174,6 @@ def case_table(
     return CaseTable(names["parameters"], names["initial"], first, second, *constants)
 
 
-def _varies(value: Varied) -> bool:
-    return not (isinstance(value, Samples) or _is_constant(value))
-
-
 def _is_constant(value: Varied) -> TypeGuard[Value]:
     return isinstance(value, Real | str | Formula | Decimal) or is_sympy(value)
 
@@ -185,7 +185,6 @@ def _constants(values: Mapping[str, Varied]) -> dict[str, Value]:
 def _check_columns(
     lists: Mapping[tuple[str, str], Varied], combine: str, has_samples: bool, samples: int | None
 ) -> dict[tuple[str, str], Floats]:
-    """Return the sequences as arrays."""
     problems = []
     if combine not in ("product", "list"):
         problems.append(
@@ -239,12 +238,6 @@ def _number(entry: object) -> object:
         number = formula_value(Formula.from_value(plain_value(entry)))
         return math.nan if number is None else as_float(number)
     return entry
-
-
-def _count(columns: Mapping[tuple[str, str], Floats], combine: str) -> int:
-    """Return the number of combinations."""
-    sizes = [column.size for column in columns.values()]
-    return math.prod(sizes) if combine == "product" else max(sizes, default=1)
 
 
 def _combine(columns: Mapping[tuple[str, str], Floats], combine: str, count: int) -> Iterator[Floats]:

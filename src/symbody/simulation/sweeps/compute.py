@@ -34,7 +34,6 @@ from symbody.simulation.native.lane_blocks import make_lane_block
 from symbody.simulation.native.machine import lane_motions, many_motions
 from symbody.simulation.native.run import EVENT_SAMPLES, VERDICTS, memory_limit, stop_words
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import compute_case
 from symbody.simulation.sweeps.loop_job import LoopJob
 from symbody.simulation.sweeps.records import (
     CODES,
@@ -45,7 +44,7 @@ from symbody.simulation.sweeps.records import (
     Records,
     blocks,
 )
-from symbody.simulation.sweeps.sweep_job import SweepJob
+from symbody.simulation.sweeps.sweep_job import SweepJob, compute_case
 from symbody.single_flight import SingleFlight
 
 Integers = NDArray[np.int64]
@@ -159,13 +158,7 @@ class _CaseLoop:
         return code
 
     def _make_room_for_steps(self) -> None:
-        """Double the room for steps.
-
-        Raises
-        ------
-        MemoryError
-            None is left.
-        """
+        """Double the room for steps; raises MemoryError if none is left."""
         if 2 * self._pieces.nbytes > memory_limit():
             raise MemoryError
         self._breaks, self._pieces = _double(self._breaks), _double(self._pieces)
@@ -234,7 +227,6 @@ class _CaseLoop:
         return np.split(rows, np.searchsorted(owner, np.arange(1, len(cases))))
 
     def _own_modes(self, cases: Integers) -> list[HeldRecord | None]:
-        """Return the modes along each case."""
         names = self._job.happens.inputs
         if not names:
             return [None] * len(cases)

@@ -38,9 +38,8 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.integration import DEFAULT
 from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.simulation_problem import SimulationProblem
-from symbody.simulation.sweeps.case_scales import case_values
 from symbody.simulation.sweeps.case_table import CaseTable
-from symbody.simulation.sweeps.first_states import first_states
+from symbody.simulation.sweeps.first_states import case_values, first_states
 from symbody.simulation.sweeps.records import Chunk
 from symbody.simulation.sweeps.sweep_job import SweepJob
 from symbody.tolerances import CLOSED
@@ -49,7 +48,6 @@ Floats = NDArray[np.float64]
 
 # Cases from which on several are computed side by side.
 CASES_THAT_PAY: Final = 256
-_NOTHING: Final = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,14 +140,9 @@ class LoopJob:
 def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     """Return code and numbers for the loop over many cases, and why some cannot start.
 
-    All of it is that of one motion whose numbers are those of many: `simulate` makes the same.
-
-    Raises
-    ------
-    CompileError, AssemblyError
-        If parameters have no value, or names are unknown.
-    UsageError
-        If an event does not watch a number.
+    All of it is that of one motion whose numbers are those of many: `simulate` makes the same. Raises
+    CompileError, AssemblyError if parameters have no value, or names are unknown; UsageError if an event does
+    not watch a number.
     """
     table, motion, modal = sweep.table, sweep.motion, modal_equations(sweep.eqs)
     constraints, span = motion.constraints, motion.span
@@ -187,7 +180,12 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
         large: Any = first.scales.length, first.scales.time, first.scales.displacements(sweep.eqs)
         sizes = (*sizes[:4], np.column_stack(large))
     job = LoopJob(
-        (derivative, projecting, *_functions(watch, modes)),
+        (
+            derivative,
+            projecting,
+            *((None, None, None) if watch is None else watch.functions),
+            *((None, None) if modes is None else modes.functions),
+        ),
         moving.numbers(derivative),
         projector,
         span,
@@ -215,19 +213,10 @@ def _projection(
     return function, made._replace(inputs=numbers.inputs, parameters=numbers.parameters)
 
 
-def _functions(
-    watch: EventFunctions | None, modes: SwitchingModes | None
-) -> tuple[CompiledFunction | None, ...]:
-    """Return the functions of events and those of modes."""
-    watched = (None, None, None) if watch is None else watch.functions
-    return (*watched, *((None, None) if modes is None else modes.functions))
-
-
 def _happenings(
     watch: EventFunctions | None, modes: SwitchingModes | None, method: Explicit | FixedStep,
     span: tuple[float, float],
 ) -> CaseHappenings:  # fmt: skip
-    """Return what may happen, as numbers and in words."""
     if watch is None:
         return CaseHappenings()
     rows = 4 + len(method.tableau.dense)

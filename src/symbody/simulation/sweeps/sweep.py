@@ -18,11 +18,11 @@ from symbody.codegen.llvm import machine
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import modal_equations, permanent_equations
 from symbody.errors import SymbodyError
-from symbody.model.first_values import FirstValue, Initial, PlainValue, by_priority
+from symbody.model.first_values import FirstValue, Initial, by_priority
 from symbody.simulation.events.events import Event, check_events
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs
 from symbody.simulation.inputs.held_law import held_later
-from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
+from symbody.simulation.inputs.input_laws import Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.closed_loops.overconstrained import is_overconstrained
 from symbody.simulation.methods.explicit import check_span
 from symbody.simulation.methods.integration import Constraints, Integrator
@@ -31,14 +31,19 @@ from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
-from symbody.simulation.sweeps.case_by_case import compute_case, reason_for_simulate
 from symbody.simulation.sweeps.case_table import Combine, Varied, case_table
 from symbody.simulation.sweeps.first_states import check_names
 from symbody.simulation.sweeps.loop_job import LoopJob, prepare_loop, serial_cases
-from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records
+from symbody.simulation.sweeps.records import CODES, NOT_ENDED, CaseDetails, Chunk, Records, Store
 from symbody.simulation.sweeps.result import Sweep, sweep_result
-from symbody.simulation.sweeps.store import Store
-from symbody.simulation.sweeps.sweep_job import SweepJob, check_lanes, check_memory, sample_times
+from symbody.simulation.sweeps.sweep_job import (
+    SweepJob,
+    check_lanes,
+    check_memory,
+    compute_case,
+    reason_for_simulate,
+    sample_times,
+)
 from symbody.simulation.sweeps.workers import (
     PATIENCE,
     Listener,
@@ -131,43 +136,26 @@ def sweep(
     ((3, 2), array([0.1, 0.2, 0.3]))
     """
     span = check_span(t_end if isinstance(t_end, tuple) else (0.0, t_end))
-    laws = _laws(eqs, inputs := {**laws_of_tables(eqs), **(inputs or {})}, span)
+    inputs = {**laws_of_tables(eqs), **(inputs or {})}
+    check_fmu_inputs(inputs, eqs.input_names)
+    fmus = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
+    sampled = held_later(eqs, fmus)  # by each case for itself
+    laws = input_laws(eqs.input_names, {**inputs, **sampled}, span, len(eqs.coordinate_names))
     stored, wants_lanes, sizes = sample_times(times, span), check_lanes(lanes), scales_by_name(eqs, scales)
     workers = check_workers(executor, threads, part, patience)
-    fixed, near = _first_values(initial or {}, guess or {})
+    first = initial or {}
+    own = {name: value for name, value in first.items() if isinstance(value, Initial)}
+    varied = {name: value for name, value in first.items() if not isinstance(value, Initial)}
+    fixed, near = by_priority(own, guess or {})
     fits = partial(check_memory, samples=stored.size, states=len(eqs.state_names))
-    table = case_table(parameters or {}, fixed, combine, samples, seed, fits)
+    table = case_table(parameters or {}, {**varied, **fixed}, combine, samples, seed, fits)
     problem = SimulationProblem(eqs, table.fixed_parameters, laws, Scales(), free=table.parameter_names)
     rest = None, check_events(events, eqs), integrator, constraints
     motion = Motion(problem, NOTHING, span, stored, rtol, atol, int(max_steps), *rest)
     job = SweepJob(motion, table, near, inputs, wants_lanes, sizes)
-    return _run_sweep(job, workers, None if store is None else Store(store, job.digest(key)), progress)
-
-
-def _laws(eqs: EquationSet, inputs: Mapping[str, Law], span: tuple[float, float]) -> InputLaws:
-    """Return the laws of inputs; those that each case samples for itself are not known yet."""
-    check_fmu_inputs(inputs, eqs.input_names)
-    fmus = [name for name, law in inputs.items() if isinstance(law, FmuInput)]
-    known = {**inputs, **held_later(eqs, fmus)}
-    return input_laws(eqs.input_names, known, span, len(eqs.coordinate_names))
-
-
-def _first_values(
-    initial: Mapping[str, Varied | Initial], guess: Mapping[str, FirstValue]
-) -> tuple[dict[str, Varied], dict[str, PlainValue]]:
-    """Return first values that hold, which may vary, and those that are guesses."""
-    own = {name: value for name, value in initial.items() if isinstance(value, Initial)}
-    fixed, near = by_priority(own, guess)
-    varied = {name: value for name, value in initial.items() if not isinstance(value, Initial)}
-    return {**varied, **fixed}, near
-
-
-def _run_sweep(
-    job: SweepJob, workers: Workers, store: Store | None, progress: Progress | bool = False
-) -> Sweep:
-    """Return all motions, and show how far they are."""
+    kept = None if store is None else Store(store, job.digest(key))
     with show_progress(progress, "sweep") as report:
-        return _compute_sweep(job, workers, store, report)
+        return _compute_sweep(job, workers, kept, report)
 
 
 def _compute_sweep(job: SweepJob, workers: Workers, store: Store | None, progress: Progress | None) -> Sweep:
@@ -252,11 +240,7 @@ def _is_portable(job: SweepJob) -> bool:
 
 
 def _compute_in_loop(
-    loop: LoopJob,
-    chunk: Chunk,
-    records: Records,
-    workers: Workers,
-    listener: Listener,
+    loop: LoopJob, chunk: Chunk, records: Records, workers: Workers, listener: Listener
 ) -> bool:
     """Compute all cases that have not ended; return whether it was interrupted."""
     missing = _runs(np.flatnonzero(records.codes == NOT_ENDED).tolist())

@@ -1,4 +1,4 @@
-"""`SweepJob`: a sweep to compute, and how one of its cases is simulated."""
+"""`SweepJob`: a sweep to compute, and its cases by `simulate`, which the loop over many cannot compute."""
 
 from __future__ import annotations
 
@@ -12,16 +12,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.errors import Problem, SimulationError, UsageError
+from symbody.equations.solving.modal_equations import modal_equations
+from symbody.errors import Problem, SimulationError, SymbodyError, UsageError
 from symbody.kernels.block import Counts
+from symbody.simulation.hybrid.mode_record import held_modes
+from symbody.simulation.hybrid.rate_jumps import may_jump
+from symbody.simulation.inputs.fmu_input import FmuInput
+from symbody.simulation.inputs.held_law import HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws, Law
-from symbody.simulation.methods.explicit import check_times
+from symbody.simulation.methods.constraints import Baumgarte, Projection
+from symbody.simulation.methods.explicit import Explicit, check_times
+from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.motion import Motion
 from symbody.simulation.motion_identity import missing_content, motion_digest
 from symbody.simulation.native.run import memory_limit
 from symbody.simulation.results.trajectory import Trajectory
 from symbody.simulation.simulate import simulate
+from symbody.simulation.status import Status
 from symbody.simulation.sweeps.case_table import CaseTable
+from symbody.simulation.sweeps.records import CODES, CaseDetails, Records
 
 Floats = NDArray[np.float64]
 
@@ -87,10 +96,8 @@ class SweepJob:
     def digest(self, key: str | None) -> str:
         """Return what stands for all that results depend on; `key` for laws that have no content.
 
-        Raises
-        ------
-        UsageError
-            If a law has no content that could be compared with that of another call, and there is no key.
+        Raises UsageError if a law has no content that could be compared with that of another call, and there
+        is no key.
         """
         problems = [
             Problem("sweep.store_function", f"input {name}",
@@ -118,10 +125,7 @@ def sample_times(times: ArrayLike | None, span: tuple[float, float]) -> Floats:
 def check_lanes(lanes: bool | None) -> bool | None:
     """Return whether lanes are wanted.
 
-    Raises
-    ------
-    UsageError
-        Anything but True, False and None: a number of lanes would be taken for True.
+    Raises UsageError: a number of lanes would be taken for True.
     """
     if lanes is None or isinstance(lanes, bool | np.bool_):
         return None if lanes is None else bool(lanes)
@@ -135,10 +139,7 @@ def check_lanes(lanes: bool | None) -> bool | None:
 def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
     """Refuse what does not fit into memory, by counts alone.
 
-    Raises
-    ------
-    SimulationError
-        With the number of samples, or of cases, that would fit.
+    Raises SimulationError with the number of samples, or of cases, that would fit.
     """
     # Each case has its samples, what is known of how it ended, its first state, and its values: in the table,
     # beside the states, and by name in the result.
@@ -160,3 +161,77 @@ def check_memory(cases: int, varied: int, samples: int, states: int) -> None:
         f"{Decimal(cases * each) / 10**9:.1f} GB, more than half of this computer's memory"
     )
     raise SimulationError(Problem("sweep.memory", "times" if fitting >= 1 else "parameters", what, fix=fix))
+
+
+def reason_for_simulate(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why `simulate` has to compute the cases, empty if the loop over many cases can."""
+    held = ", ".join(law.name for law in laws.held_laws.values())
+    reasons = {
+        f"values are sampled ({held})": bool(held),
+        reason_for_python(eqs, laws, integrator, constraints): True,
+        "prescribed rates may jump": may_jump(eqs),
+    }
+    return "; ".join(reason for reason, holds in reasons.items() if reason and holds)
+
+
+def reason_for_python(eqs: EquationSet, laws: InputLaws, integrator: object, constraints: object) -> str:
+    """Return why a motion is computed in part by Python, empty if it is not."""
+    reasons = {
+        f"inputs {', '.join(laws.callbacks)} are computed in Python": laws.need_python,
+        f"{type(integrator).__name__} is not an explicit method": not isinstance(
+            integrator, Explicit | FixedStep | None
+        ),
+        f"{type(constraints).__name__} runs in Python": not isinstance(
+            constraints, Projection | Baumgarte | None
+        ),
+        "pivots of dependent speeds are monitored": bool(
+            eqs.formed.elimination is not None and eqs.formed.elimination.pivots
+        ),
+    }
+    return "; ".join(reason for reason, holds in reasons.items() if holds)
+
+
+def compute_case(job: SweepJob, case: int, records: Records) -> None:
+    """Compute one case and write down how it ended; a fault of one case does not end the sweep."""
+    row = case - records.first
+    try:
+        run = job.simulate_case(case)
+    except SymbodyError as error:
+        records.codes[row] = CODES[Status.NOT_STARTED]
+        records.details[case] = CaseDetails(str(error))
+        return
+    samples = run.t.size
+    samples = min(samples, records.x.shape[1])  # without the last one of a motion that stops behind all times
+    records.x[row] = np.nan
+    records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T[:samples]
+    records.codes[row] = CODES[run.status]
+    statistics, modal = run.statistics, modal_equations(job.eqs)
+    counts = {
+        "accepted": statistics.accepted,
+        "rejected": statistics.rejected or 0,
+        "evaluations": statistics.evaluations,
+        "samples": samples,
+    }
+    records.counts[row] = [counts.get(name, 0) for name in Counts.fields]
+    records.reached[row] = run.t[-1] if samples else np.nan
+    names = tuple(dict.fromkeys(event.name for event in run.events))
+    happened = [(names.index(event.name), event.t, *event.state.values()) for event in run.events]
+    records.details[case] = CaseDetails(
+        "; ".join(run.notes),
+        names,
+        np.array(happened, dtype=np.float64),
+        run.stored["work"][:samples],
+        held_modes(modal.modes, modal.names, run.modes),
+        _held_values(job, run),
+    )
+
+
+def _held_values(job: SweepJob, run: Trajectory) -> HeldRecord | None:
+    """Return what was sampled in a case, and what FMUs computed."""
+    records = [] if run.held_values is None else [run.held_values]
+    tables = {} if run.provenance is None else run.provenance.tables
+    for name, law in job.inputs.items():
+        if isinstance(law, FmuInput) and name in tables:  # two points a sample
+            t, values = np.asarray(tables[name].t)[::2], np.asarray(tables[name].values)[::2]
+            records.append(HeldRecord((name,), t, values[np.newaxis]))
+    return join_records(records, [name for record in records for name in record.names])

@@ -81,10 +81,7 @@ def check_workers(
 ) -> Workers:
     """Return the threads and processes that compute.
 
-    Raises
-    ------
-    UsageError
-        If threads, part, executor or patience have values without meaning.
+    Raises UsageError if threads, part, executor or patience have values without meaning.
     """
     problems = []
     for name, value in (("threads", threads), ("part", part)):
@@ -161,23 +158,18 @@ def compute_there(
 ) -> bool:  # fmt: skip
     """Compute chunks by the workers of the executor; return whether Ctrl-C, or that it broke, ended it.
 
-    Chunks of workers that end too early are submitted anew.
+    Chunks of workers that end too early are submitted anew. Raises EnvironmentFault if no worker began or
+    could compute anything.
 
     Parameters
     ----------
     has_results : bool
         Whether these workers have computed other cases, which are kept whatever happens now.
-
-    Raises
-    ------
-    EnvironmentFault
-        If no worker began or could compute anything.
     """
     assert workers.executor is not None
     if not chunks:
         return False
-    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener)
-    dispatch.has_results = has_results
+    dispatch = _Dispatch(job, chunks, records, workers, workers.executor, listener, has_results)
     try:
         dispatch.run()
     except (KeyboardInterrupt, BrokenExecutor):
@@ -195,20 +187,11 @@ class _Dispatch:
     """
 
     def __init__(
-        self,
-        job: LoopJob | SweepJob,
-        chunks: Sequence[Chunk],
-        records: Records,
-        workers: Workers,
-        executor: Executor,
-        listener: Listener,
-    ) -> None:
-        self.has_results = False
-        self._payload = pickle.dumps(job)
-        self._records = records
-        self._threads = workers.threads
-        self._listener = listener
-        self._executor = executor
+        self, job: LoopJob | SweepJob, chunks: Sequence[Chunk], records: Records, workers: Workers,
+        executor: Executor, listener: Listener, has_results: bool,
+    ) -> None:  # fmt: skip
+        self.has_results, self._records, self._listener = has_results, records, listener
+        self._payload, self._threads, self._executor = pickle.dumps(job), workers.threads, executor
         self._queue = list(reversed(chunks))
         self._failures = dict.fromkeys((chunk.first for chunk in chunks), 0)
         self._waiting: dict[Future[Records | str], Chunk] = {}
@@ -224,12 +207,8 @@ class _Dispatch:
     def run(self) -> None:
         """Submit chunks until all are back.
 
-        Raises
-        ------
-        EnvironmentFault
-            If no worker begins or can compute anything.
-        BrokenExecutor
-            If the executor broke after some chunks had come back.
+        Raises EnvironmentFault if no worker begins or can compute anything; BrokenExecutor if the executor
+        broke after some chunks had come back.
         """
         while self._waiting or (self._queue and not self._broken):
             self._submit()
@@ -304,12 +283,7 @@ class _Dispatch:
     def _end(self) -> NoReturn:
         """End the work of an executor that broke: whoever gave it chose where to compute.
 
-        Raises
-        ------
-        EnvironmentFault
-            If nothing was computed.
-        BrokenExecutor
-            Otherwise.
+        Raises EnvironmentFault if nothing was computed, else BrokenExecutor.
         """
         if not self.has_results:
             raise _no_worker(self._broken)

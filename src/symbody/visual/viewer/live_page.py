@@ -22,9 +22,8 @@ from symbody.model.model import Model, resolve_parameters
 from symbody.simulation.inputs.input_laws import Law
 from symbody.simulation.methods.closed_loops.change_point import change_point_note
 from symbody.simulation.programs.javascript_simulation import (
-    PointerSpring,
+    PageView,
     SimulationText,
-    ViewOutputs,
     javascript_simulation,
 )
 from symbody.simulation.programs.motion_request import MotionRequest, branch_problem
@@ -160,8 +159,8 @@ def make_live_page(
     )
     values = {name: float(value) for name, value in resolve_parameters(eqs.model, request.parameters).items()}
     scene = make_scene(eqs.model, values)
-    view = ViewOutputs(chain.outputs, chain.parents, chain.order)
-    program = javascript_simulation(eqs, request, view, _spring(scene))
+    view = PageView(chain.outputs, chain.parents, chain.order, *_spring(scene))
+    program = javascript_simulation(eqs, request, view)
     first = program.motion.first
     begins = {**values, **first.q, **first.u, **pushed}
     controls = [_control(eqs, begins[name], name, kinds[name], bounds) for name, bounds in sliders.items()]
@@ -269,11 +268,12 @@ def _courses(
     return coordinate_courses(run)
 
 
-def _spring(scene: Scene) -> PointerSpring:
+def _spring(scene: Scene) -> tuple[float, float]:
+    """Return the mass of all bodies [kg], and the frequency of a point that a pointer holds [rad/s]."""
     mass = sum(body.mass for body in scene.bodies[1:] if math.isfinite(body.mass))
     slow, fast = _FREQUENCIES
     frequency = _PULL * math.sqrt(9.81 / max(scene.size, 1e-9))
-    return PointerSpring(max(mass, 1e-9), min(max(frequency, slow), fast))
+    return max(mass, 1e-9), min(max(frequency, slow), fast)
 
 
 def _scene_tables(

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from symbody.equations.equation_set import EquationSet
 from symbody.expr.graph import SymbolKind
 from symbody.expr.rewrite import symbols_of
+from symbody.kernels.step_bounds import EPSILON
 from symbody.manifold import count_significant
 from symbody.simulation.hybrid.switching import SwitchingModes
 from symbody.simulation.methods.closed_loops.crossing import crossing_of_motion
@@ -40,8 +41,8 @@ from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlp
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Integration, end_run, integrate_motion
 from symbody.simulation.motion import Motion
+from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun
-from symbody.simulation.results.motion_balance import passage_balance
 from symbody.simulation.sampling.sampler import Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
@@ -332,3 +333,57 @@ def _is_collapse(status: Status, breaks: Floats) -> bool:
     if status is not Status.TOO_MANY_STEPS or breaks.size < _TWO:
         return status in _COLLAPSES
     return bool(abs(breaks[-1] - breaks[-2]) < _SHORT * abs(breaks[-1] - breaks[0]))
+
+
+# What a passage may be worse than the steps beside it.
+_WORSE: Final = 1e3
+_STEPS: Final = 5  # on either side
+_OUTPUTS: Final = ("kinetic_energy", "potential_energy")
+
+
+class PassageBalance(NamedTuple):
+    """How T + V - W changes across a passage [J].
+
+    Attributes
+    ----------
+    change : float
+        Across the passage.
+    usual : float
+        In a step beside it, or by the tolerance of one, whichever is more.
+    """
+
+    change: float
+    usual: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the passage is no worse than what decides nothing."""
+        return bool(self.change <= _WORSE * self.usual)
+
+
+def passage_balance(
+    problem: SimulationProblem, dense: DenseOutput, before: float, after: float, rtol: float
+) -> PassageBalance:
+    """Return how the balance of a motion changes between two times about a passage.
+
+    Parameters
+    ----------
+    dense : DenseOutput
+        The motion, the work behind its state.
+    rtol : float
+        Relative tolerance of a step: of the energies it may leave as much.
+    """
+    breaks, way = dense.breaks, 1.0 if dense.breaks[-1] >= dense.breaks[0] else -1.0
+    first = breaks[way * (breaks - before) < 0.0][-_STEPS:]
+    last = breaks[way * (breaks - after) > 0.0][:_STEPS]
+    t = np.concatenate([first, [before, after], last])
+    n_u, n = len(problem.eqs.speed_names), len(problem.eqs.state_names)
+    x = dense(t)
+    function = problem.compile_outputs(_OUTPUTS)
+    kinetic, potential = problem.evaluate(function, t, x[n_u:n], x[:n_u])
+    balance = kinetic + potential - x[-1]
+    largest = max(float(np.abs(part).max()) for part in (kinetic, x[-1] - x[-1, 0], potential - potential[0]))
+    rounding = EPSILON * float(np.abs(potential).max() + np.abs(x[-1]).max())
+    changes = np.abs(np.diff(balance))
+    usual = np.delete(changes, first.size).max(initial=rtol * largest + rounding)
+    return PassageBalance(float(changes[first.size]), float(usual))

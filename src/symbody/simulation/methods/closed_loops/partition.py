@@ -31,8 +31,7 @@ from symbody.kernels.configurations.chart_record import Chart
 from symbody.kernels.pack import pack
 from symbody.kernels.step_bounds import EPSILON
 from symbody.simulation.hybrid.passed_jumps import PassedJumps
-from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.inputs.native_callback import NativeCallback
+from symbody.simulation.inputs.input_laws import CallbackFunction, NativeCallback
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR
 from symbody.simulation.methods.closed_loops.partition_states import PartitionStates
 from symbody.simulation.methods.constraints import ROUNDED_PER_COORDINATE, Projection
