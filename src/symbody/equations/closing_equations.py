@@ -10,8 +10,8 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.form import form_equations
 from symbody.equations.solving.modal_equations import modal_equations
-from symbody.equations.solving.unilateral import open_gaps
 from symbody.equations.solving.sticking import STICKS, set_modes
+from symbody.equations.solving.unilateral import open_gaps
 from symbody.expr.calculus import gradient
 from symbody.expr.expression import Expr
 from symbody.expr.printing.text import to_text

@@ -58,7 +58,12 @@ def surplus_initial_values(
     positions, or ropes are among the constraints.
     """
     freedoms, names = eqs.plans.get("kept initial values", partial(_initial_positions, eqs))
-    if len(names) <= freedoms or _positions(eqs, fixed) or _positions(eqs, guess) or unilateral_elements(eqs.formed):
+    if (
+        len(names) <= freedoms
+        or _positions(eqs, fixed)
+        or _positions(eqs, guess)
+        or unilateral_elements(eqs.formed)
+    ):
         return {}
     return {name: eqs.model.initial[name] for name in names}
 

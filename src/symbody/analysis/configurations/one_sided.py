@@ -22,8 +22,8 @@ from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MODES
-from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
+from symbody.equations.solving.unilateral import unilateral_elements
 from symbody.errors import AssemblyError, SimulationError
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
 from symbody.tolerances import AT_REST, BALANCED

@@ -113,7 +113,9 @@ def equations_with_ropes(
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
     """Return notes on the ropes that an analysis of all configurations takes as taut."""
     rows = {row.element for row in eqs.formed.rows}
-    return tuple(f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows)
+    return tuple(
+        f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows
+    )
 
 
 def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:

@@ -398,7 +398,11 @@ def velocity_ratios(
         )
     others = tuple(name for name in eqs.speed_names if name not in chosen)
     notes += coupled_notes(eqs)
-    measured = constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes) if unilateral_elements(eqs.formed) else None
+    measured = (
+        constraint_evaluator(eqs, values, {}, state.t, mechanism_sizes)
+        if unilateral_elements(eqs.formed)
+        else None
+    )
     return VelocityRatios(eqs, chosen, others, rows, notes, mechanism, values, measured)
 
 

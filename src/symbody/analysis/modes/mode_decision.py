@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, ModeVerdict, Responses, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.mode_responses import candidate_laws, candidate_gaps, reaction_sizes
+from symbody.equations.solving.mode_responses import candidate_gaps, candidate_laws, reaction_sizes
 from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL
 from symbody.tolerances import BALANCED, CANCELLED
 

@@ -279,9 +279,7 @@ def _gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     return _measure(formed, words, "gap") if name in formed.loads.measures else gap(formed, words)
 
 
-def _measured_vector(
-    formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str
-) -> Output:
+def _measured_vector(formed: EquationsOfMotion, words: Sequence[str], first: str, letters: str) -> Output:
     """Return all entries of a measure, or the one that is named."""
     if any(words[1:]):
         return _measure(formed, words, first)

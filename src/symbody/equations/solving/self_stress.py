@@ -20,7 +20,6 @@ from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.elimination.coupling_multipliers import coupling_multipliers
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.equations.loads.loads import effort_name
 from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.outputs.joint_outputs import prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
@@ -207,7 +206,7 @@ def _components(formed: EquationsOfMotion, totals: Mapping[str, Wrench]) -> Iter
     holding = {law.holding_effort: law for law in formed.friction}
     for row, multiplier in formed.bearing_rows:
         if row.coordinate:
-            name = effort_name(formed.topology.joint(row.element), row.coordinate)
+            name = formed.topology.joint(row.element).effort_name(row.coordinate)
             yield Component(f"effort {name}", row.coordinate in turning), multiplier
         elif row.name in holding:
             law = holding[row.name]

@@ -360,6 +360,7 @@ def unsupported_problems(model: Model) -> list[Problem]:
                 "use save_model, which writes everything, or remove the element")
         for element in model.elements
         if not isinstance(element, Body | Joint | Gear | RackPinion)
+        or (isinstance(element, Gear) and element.backlash is not None)
     ]  # fmt: skip
 
 
@@ -393,6 +394,9 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
             yield _refusal(joint.name, f"the damping {drive.damping} cannot be written",
                            "URDF has numbers, for joints with one coordinate",
                            "remove damping")  # fmt: skip
+    for path, _, _ in joint.limits_with_paths():
+        why = "its limits are for controllers; what happens there it does not say"
+        yield _refusal(joint.name, "it has limits", why, f"remove {path}")
     friction = joint.friction
     if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
         fix = "write friction = { force = .. }"
