@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.ropes import with_taut
+from symbody.analysis.configurations.closed_gaps import with_closed_gaps
 from symbody.codegen.formation.sequences import form_sequence
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.unilateral import unilateral_row
 from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.program import written_out
@@ -86,7 +87,7 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     if not program.modal.eqs.multiplier_names:
         return (True,) * len(eqs.state_names)
     by_q, jacobian = _constraint_slopes(program)
-    free = with_taut(program.motion.eqs, ())  # nothing is held at first
+    free = with_closed_gaps(program.motion.eqs, ())  # nothing is held at first
     chosen = free.mobility.independent_speeds if free.multiplier_names else range(n_u)
     preferred = {eqs.speed_names[k] for k in chosen}
     free_u = _free_columns(jacobian, np.array([name in preferred for name in eqs.speed_names]))
@@ -230,7 +231,9 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
             yield _indicator(f"condition[{k}]", words, read)
     ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
-    ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
+    for name in program.modal.ropes:
+        is_rope = unilateral_row(program.modal.eqs.formed, name).sense < 0
+        ends.append((f"rope {name} goes slack or taut" if is_rope else f"stop {name} closes or opens", name))
     for words, name in ends:
         yield FmuVariable(
             f"mode_end.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"

@@ -317,7 +317,7 @@ class Joint(Connection):
         return self.locked_rotations + self.locked_translations
 
     def output_words(self, kind: str) -> tuple[str, ...]:
-        """Return what may follow its name in outputs of a kind: of several coordinates those with an effort."""
+        """Return what may follow its name in outputs of a kind: of several coordinates those with one."""
         if kind == "effort":
             driven = tuple(x for x in self.coordinates if x in self.loaded_coordinates or x in self.motions)
             return driven if len(self.coordinates) > 1 else ("",) * len(driven)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO, add, sub
@@ -45,6 +46,13 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
     }
 )
 _IDENTICAL: Final = "holds identically"
+# By the sense of a row: the left side of a stop is never negative, that of a rope never positive.
+_ONE_SIDED: Final = MappingProxyType(
+    {
+        1: "while the gap is closed; else the left side is positive, and {} is 0",
+        -1: "while the rope is taut; else the left side is negative, and {} is 0",
+    }
+)
 _UNRESISTED: Final = "{} has no inertia, and no force acts on it"
 _SLIPS: Final = "while it slips; at rest it holds up to this magnitude"
 _NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
@@ -137,7 +145,8 @@ def constraint_sections(textbook: Textbook) -> list[EquationSection]:
     """Return the constraints on positions, and those on velocities alone: one equation a multiplier."""
     positions = textbook.display("constraints").nodes
     velocities = textbook.display("velocity_constraints").nodes[len(positions) :]
-    return [_constraints("positions", positions), _constraints("velocities", velocities)]
+    rows = textbook.formed.holonomic
+    return [_constraints("positions", positions, rows), _constraints("velocities", velocities)]
 
 
 def friction_section(textbook: Textbook) -> EquationSection:
@@ -156,8 +165,9 @@ def _at_rest(law: FrictionLaw) -> str:
     return f"{_SLIPS}{''.join(exchanged)}"
 
 
-def _constraints(key: str, nodes: Sequence[int]) -> EquationSection:
-    remarks = {k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}
+def _constraints(key: str, nodes: Sequence[int], rows: Sequence[ConstraintEquation] = ()) -> EquationSection:
+    remarks = {k: _ONE_SIDED[row.sense].format(row.name) for k, row in enumerate(rows) if row.sense}
+    remarks |= {k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}
     return EquationSection(key, tuple((node, ZERO) for node in nodes), remarks=remarks)
 
 

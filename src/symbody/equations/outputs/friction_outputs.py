@@ -8,6 +8,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import normal_load
+from symbody.equations.solving.solution import resistance
 from symbody.equations.solving.unilateral import (
     effort_of,
     gap_of,
@@ -15,7 +16,6 @@ from symbody.equations.solving.unilateral import (
     unilateral_elements,
     unilateral_row,
 )
-from symbody.equations.solving.solution import resistance
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, number, sqrt, symbol
 from symbody.expr.graph import Symbol, SymbolKind

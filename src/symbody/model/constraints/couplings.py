@@ -76,7 +76,8 @@ class Gear(JointCoupling):
 
     Wheels that mesh on the outside turn against each other: their ratio is negative. The multiplier is the
     torque on the first wheel about its axis [N m]. With `backlash` the wheels are free within the play of
-    their teeth; rigid, they are two stops, ``stage low`` and ``stage high``; else ``effort stage`` is the torque.
+    their teeth; where these are rigid they are two stops, ``stage low`` and ``stage high``; else
+    ``effort stage`` is the torque.
 
     Examples
     --------

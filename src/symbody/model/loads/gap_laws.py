@@ -30,7 +30,7 @@ HIGH: Final = "high"
 
 # Of a stop.
 RESTITUTION: Final = Domain(
-    "model.restitution", "restitution is {value}", "it is the share of the speed that is left after an impact",
+    "model.restitution", "restitution is {value}", "it is the share of the speed left after an impact",
     "give a number from 0 to 1", 0.0, most=1.0,
 )  # fmt: skip
 _WIDTH: Final = Domain(
@@ -138,9 +138,9 @@ class GapLaw(Declared):
 class Limits(GapLaw):
     """The ends of a joint coordinate: rigid, or a force that pushes it back.
 
-    Rigid ends are stops, which are named after the joint and the end: ``slider high``; of a joint with several
-    coordinates after the coordinate too. Beyond a compliant end the law of `NormalForce` acts along the
-    coordinate.
+    Rigid ends are stops, which are named after the joint and the end, ``slider high``; of a joint with
+    several coordinates after the coordinate too. Beyond a compliant end the law of `NormalForce` acts along
+    the coordinate.
 
     Examples
     --------

@@ -202,7 +202,7 @@ def check_implicit(motion: PosedMotion) -> None:
     Raises
     ------
     UsageError
-        If signals are sampled, joints stick or ropes go slack.
+        If signals are sampled, joints stick, ropes go slack or stops open.
     """
     held = [f"{value.name} is sampled" for value in motion.held]
     modes = [] if motion.modal is None else [f"the mode of {name} changes" for name in motion.modal.names]
@@ -304,7 +304,7 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
     numbers = function_numbers(function.numbers)
-    if motion.modal is not None:  # friction is finite, and ropes strike afterwards
+    if motion.modal is not None:  # friction is finite, and ropes and stops strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
     way, run = Run(block).goal.direction, Run(block)

@@ -48,7 +48,7 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
         return f"sb.{type(settings.constraints).__name__}() restarts in each step"
     if eqs.formed.elimination is not None:
         return "pivots of dependent speeds are monitored"
-    always = replace(problem.problem, eqs=permanent_equations(eqs))  # ropes may be slack
+    always = replace(problem.problem, eqs=permanent_equations(eqs))  # gaps may be open
     if settings.constraints is None and is_overconstrained(always, numbers.t, numbers.x[:-1].copy()):
         return "some constraints are redundant only where all loops are closed"
     return ""

@@ -66,9 +66,8 @@ def load_urdf(
     loops : str or path, optional
         A TOML file of joints, constraints and springs in the syntax of the model file, between links.
     limits : mapping, optional
-        Makes the limits of revolute and prismatic joints those of the model: the arguments of `Limits` besides
-        low and high, such as ``{"rigid": True}``, for all of them. A joint that follows another has none. By
-        default joints move beyond their limits.
+        Arguments of `Limits` besides low and high, such as ``{"rigid": True}``: all revolute and prismatic
+        joints that follow no other have the limits of the file. By default they move beyond them.
 
     Returns
     -------
