@@ -208,7 +208,7 @@ def test_what_is_said_of_stops() -> None:
         sb.inverse_dynamics(eqs, {"z": "t"}, [], [0.0])
     with pytest.raises(sb.UsageError, match="stops open"):
         sb.generate_code(eqs, "z", language="modelica")
-    down = sb.Event("down", "t - 0.1", action={"z": -0.5})
+    down = sb.Event("t - 0.1", action={"z": "-0.5"}, name="down")
     run = sb.simulate(eqs, 1.0, events=down)
     assert any("gap of floor negative" in note for note in run.notes)
 
