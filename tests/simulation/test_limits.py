@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.formulations import FORMULATIONS, name_of
 
 M = 2.0
 
@@ -170,3 +171,39 @@ def test_inverse_dynamics_counts_the_force_of_a_limit() -> None:
     eqs = sb.form_equations(sb.Model("cart", [rail], inputs=["F"]))
     found = sb.inverse_dynamics(eqs, {"x": "t"}, "F", [0.2, 0.8])
     assert found["F"] == pytest.approx([0.0, 30.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS, ids=name_of)
+@pytest.mark.parametrize("limits", [{"rigid": True, "restitution": 0.4}, {"stiffness": 2e3}])
+def test_every_formulation_has_the_same_limits(formulation: sb.Formulation, limits: dict[str, object]) -> None:
+    expected = sb.simulate(four_bar(["A", "B", "D"], high=1.8, **limits), 0.5, times=[0.5], rtol=1e-10)
+    for trees in (["A", "B", "D"], ["A", "B", "C"]):
+        eqs = sb.form_equations(
+            four_bar(trees, high=1.8, **limits).model,
+            formulation, tree=sb.Trees(trees, trees),
+        )  # fmt: skip
+        run = sb.simulate(eqs, 0.5, times=[0.5], rtol=1e-10)
+        for name in ("frame r crank x", "frame w rocker z", "reaction D Fx", "energy"):
+            assert run[name][-1] == pytest.approx(expected[name][-1], rel=1e-6, abs=1e-6), name
+
+
+@pytest.mark.parametrize("substitute", [False, True])
+@pytest.mark.parametrize("limits", [{"rigid": True, "restitution": 0.5}, {"stiffness": 500, "damping": 3}])
+def test_couplings_hand_limits_on(substitute: bool, limits: dict[str, object]) -> None:
+    """A limit of either wheel acts on both: first on b = -a/3, then on a."""
+    ends = []
+    for name, end in (("a", {"high": 0.9}), ("b", {"low": -0.3})):
+        # behind the ratio a stiffness and a damping are nine times as large for the same motion
+        scale = 1 if name == "a" else 9
+        law = {key: value * scale if key in ("stiffness", "damping") else value for key, value in limits.items()}
+        wheels = [
+            sb.Revolute(x, "ground", sb.Body(f"Wheel {x}", mass=1, inertia=(0, 0, inertia)), coordinate=x,
+                        limits={**end, **law} if x == name else None)
+            for x, inertia in (("a", 0.2), ("b", 0.5))
+        ]  # fmt: skip
+        model = sb.Model("gears", [*wheels, sb.Gear("mesh", ["a", "b"], ratio=-3)],
+                         initial={"a_dot": 1.0, "b_dot": -1 / 3})  # fmt: skip
+        run = sb.simulate(sb.form_equations(model, substitute=substitute), 1.5, times=[1.5], rtol=1e-10)
+        ends.append((run["a"][-1], run["a_dot"][-1], run["b_dot"][-1]))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-6)
+    assert ends[0][1] < 0.0
