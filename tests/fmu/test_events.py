@@ -133,7 +133,9 @@ def test_a_ball_bounces_as_by_simulate(kind: str, tmp_path: Path, capsys: pytest
     path = sb.save_fmu(eqs, tmp_path / "ball.fmu", sources=False).path
     seen = simulate(path, kind, 1.5, ["z"], 1e-10)
     assert seen[0] == pytest.approx(run["z"], abs=1e-6)
-    told_impacts = [line for line in told(path, kind, 1.5, 15, capsys) if "stops close with an impact" in line]
+    told_impacts = [
+        line for line in told(path, kind, 1.5, 15, capsys) if "stops close with an impact" in line
+    ]
     assert len(told_impacts) == sum(event.name == "rail low impact" for event in run.events) >= 2
     assert "rail low by 2.2" in told_impacts[0]  # m v (1 + e), up to the digits that follow
 

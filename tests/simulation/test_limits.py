@@ -175,7 +175,9 @@ def test_inverse_dynamics_counts_the_force_of_a_limit() -> None:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=name_of)
 @pytest.mark.parametrize("limits", [{"rigid": True, "restitution": 0.4}, {"stiffness": 2e3}])
-def test_every_formulation_has_the_same_limits(formulation: sb.Formulation, limits: dict[str, object]) -> None:
+def test_every_formulation_has_the_same_limits(
+    formulation: sb.Formulation, limits: dict[str, object]
+) -> None:
     expected = sb.simulate(four_bar(["A", "B", "D"], high=1.8, **limits), 0.5, times=[0.5], rtol=1e-10)
     for trees in (["A", "B", "D"], ["A", "B", "C"]):
         eqs = sb.form_equations(
@@ -195,7 +197,9 @@ def test_couplings_hand_limits_on(substitute: bool, limits: dict[str, object]) -
     for name, end in (("a", {"high": 0.9}), ("b", {"low": -0.3})):
         # behind the ratio a stiffness and a damping are nine times as large for the same motion
         scale = 1 if name == "a" else 9
-        law = {key: value * scale if key in ("stiffness", "damping") else value for key, value in limits.items()}
+        law = {
+            key: value * scale if key in ("stiffness", "damping") else value for key, value in limits.items()
+        }
         wheels = [
             sb.Revolute(x, "ground", sb.Body(f"Wheel {x}", mass=1, inertia=(0, 0, inertia)), coordinate=x,
                         limits={**end, **law} if x == name else None)

@@ -52,7 +52,7 @@ class GapWords:
         """Return what it is with its effort."""
         return f"{self.subject} is {self.holds} with {effort + 0.0:.6g}{self._unit()}"
 
-    def against(self, effort: float) -> str:
+    def describe_wrong_way(self, effort: float) -> str:
         """Return that its effort would have to be negative."""
         return f"{self.subject} would have to {self.wrong_way} with {-effort:.4g}{self._unit()}"
 

@@ -153,7 +153,7 @@ class ClosedGapSearch:
         shut = [name for name, effort in efforts.items() if effort < -limits[name]]
         words = {name: gap_words(self.evaluator.eqs, name) for name in self.names}
         fault = ", ".join(
-            [words[name].against(efforts[name]) for name in shut]
+            [words[name].describe_wrong_way(efforts[name]) for name in shut]
             + [f"{words[name].subject}: {words[name].impossible}" for name in negative]
         )
         edges = [name for name, effort in efforts.items() if abs(effort) <= limits[name]]
