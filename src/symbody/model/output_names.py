@@ -31,8 +31,8 @@ from symbody.model.output_arguments import (
 # Headings of the editor's tree and of lists of outputs, in their order.
 TITLES: Final = (
     "Positions", "Speeds", "Accelerations", "Inputs", "Signals", "Energies", "Lengths and angles of springs",
-    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames", "Multipliers and constraint error",
-    "Equations",
+    "Forces and torques", "Reactions", "Ropes", "Contacts", "Motion of frames",
+    "Multipliers and constraint error", "Equations",
 )  # fmt: skip
 POSITIONS, SPEEDS, ACCELERATIONS, INPUTS, SIGNALS, ENERGIES, SPRINGS = TITLES[:7]
 LOADS, REACTIONS, ROPES, CONTACTS, FRAMES, MULTIPLIERS, EQUATIONS = TITLES[7:]
@@ -206,7 +206,8 @@ _ALL: Final = (
     OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
                (_elements("friction", "[J]", is_needed=False),), "n", _effort_unit),
     OutputKind("mode", LOADS,
-               "joint: 0 sticks, 1 or -1 slips forward or backward; rope, stop: 1 taut, closed, 0 slack, open", "",
+               "joint: 0 sticks, 1 or -1 slips forward or backward; rope, stop: 1 taut, closed, 0 slack, open",
+               "",
                (_elements("mode", "J"),)),
     OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
                (_elements("reaction", "J"), EntryWord("[Fx]", lambda _: WRENCH)), "6",
@@ -217,7 +218,8 @@ _ALL: Final = (
     OutputKind("rope_slack_dot", ROPES, "rate of the slack", "m/s", _ROPE),
     OutputKind("rope_slack_ddot", ROPES, "second rate of the slack", "m/s^2", _ROPE),
     OutputKind("rope_size", ROPES, "size of the terms of the second rate of the slack", "m/s^2", _ROPE),
-    OutputKind("gap", CONTACTS, "least distance of two shapes, negative where they overlap; what a stop limits",
+    OutputKind("gap", CONTACTS,
+               "least distance of two shapes, negative where they overlap; what a stop limits",
                "m, rad", (_elements("gap", "C"),), choose_unit=_gap_unit),
     OutputKind("contact_force", CONTACTS, "force of a contact on its end, in the axes of its frame", "N",
                (_elements("contact_force", "C"), EntryWord("[x]", lambda _: _VECTOR)), "3"),
