@@ -206,7 +206,8 @@ _ALL: Final = (
     OutputKind("friction_reserve", LOADS, "effort up to which it sticks, less the present one", "N, N m",
                (_elements("friction", "[J]", is_needed=False),), "n", _effort_unit),
     OutputKind("mode", LOADS,
-               "joint: 0 sticks, 1 or -1 slips forward or backward; rope, stop: 1 taut, closed, 0 slack, open",
+               "joint: 0 sticks, 1 or -1 slips forward or backward; rope, stop: 1 taut, closed, "
+               "0 slack, open",
                "",
                (_elements("mode", "J"),)),
     OutputKind("reaction", REACTIONS, "wrench on B by A of what connects A and B", "N, N m",
