@@ -134,6 +134,109 @@ def test_impacts_in_several_points_never_raise_the_energy(seed: int) -> None:
     assert force[2].min() >= -1e-6
 
 
+def rod(mu: float) -> sb.EquationSet:
+    """Return a uniform rod of 1 m whose tip touches the ground."""
+    body = sb.Body("Rod", mass=1, inertia=(1 / 12,) * 3, frames={"tip": sb.Frame(at=(-0.5, 0, 0))})
+    joint = sb.Planar("move", "ground", body, axis="y", coordinates=["z", "x", "a"])
+    tip = sb.Contact(
+        "tip", "ground", "Rod.tip", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=mu)
+    )
+    return sb.form_equations(sb.Model("rod", [body, joint, tip], gravity=(0, 0, -G)))
+
+
+@pytest.mark.parametrize("share", [0.5, 0.97, 1.03, 2.0])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_painleves_rod_has_no_motion_beyond_its_coefficient(share: float, way: float) -> None:
+    p = np.arctan(2.0)
+    singular = (1 + 3 * np.cos(p) ** 2) / (3 * np.sin(p) * np.cos(p))
+    start = {"a": -p, "z": 0.5 * np.sin(p), "x": 0.0, "x_dot": way, "z_dot": 0.0, "a_dot": 0.0}
+    run = sb.simulate(rod(share * singular), 0.01, start)
+    assert run.status is (Status.FRICTION if share > 1 and way < 0 else Status.SUCCESS)
+    if run.success:
+        mu = way * share * singular  # friction along -x turns the rod into the ground where it slips back
+        s, c = np.sin(p), np.cos(p)
+        assert run["contact_force tip"][2, 0] == pytest.approx(G / (1 + 3 * c * (c + mu * s)), rel=1e-9)
+
+
+def table(short: float, mu: float) -> sb.EquationSet:
+    """Return a table of 10 kg whose first leg is too short."""
+    corners = [(0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)]
+    frames = {f"f{k}": sb.Frame(at=(x, y, -0.5 + (0 if k else short))) for k, (x, y) in enumerate(corners)}
+    top = sb.Body("Top", mass=10, inertia=(1, 1.2, 1.5), frames=frames)
+    legs = [
+        sb.Contact(
+            f"leg{k}", "ground", f"Top.f{k}", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=mu)
+        )
+        for k in range(4)
+    ]
+    return sb.form_equations(sb.Model("table", [top, *legs], gravity=(0, 0, -G)))
+
+
+@pytest.mark.parametrize("short", [0.0, 0.01])
+def test_a_table_that_falls_on_its_legs_rests_without_friction(short: float) -> None:
+    eqs = table(short, 0.5)
+    run = sb.simulate(eqs, 0.6, {"Top_z": 0.52, "Top_qw": 1.0, "Top_x": 0.0, "Top_y": 0.0})
+    forces = np.array([run[f"contact_force leg{k}"][:, -1] for k in range(4)])
+    assert run.success
+    assert forces[:, :2] == pytest.approx(np.zeros((4, 2)), abs=1e-6)
+    shares = [0, 0.5, 0.5, 0] if short else [0.25] * 4
+    assert forces[:, 2] == pytest.approx(np.array(shares) * 10 * G, abs=1e-6)
+    rest = sb.find_equilibrium(eqs, {"Top_z": 0.5})
+    assert [float(rest[f"contact_force leg{k} z"]) for k in range(4)] == pytest.approx(forces[:, 2], abs=1e-6)
+
+
+def scene(seed: int) -> tuple[sb.EquationSet, dict[str, float], dict[str, float]]:
+    """Return balls over a floor and each other, their first values, and mu by contact."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 4))
+    radii, masses = rng.uniform(0.05, 0.15, n), rng.uniform(0.2, 2.0, n)
+    parts: list[sb.Body | sb.Free | sb.Contact] = []
+    start: dict[str, float] = {}
+    mus: dict[str, float] = {}
+
+    def touch(name: str, *sides: str, shapes: list[object]) -> sb.Contact:
+        mus[name] = float(rng.uniform(0.1, 0.9))
+        e = float(rng.uniform(0.0, 0.8))
+        friction = sb.Friction(mu=mus[name])
+        return sb.Contact(name, *sides, shapes, normal="rigid", restitution=e, friction=friction)
+
+    for k in range(n):
+        inertia = 0.4 * masses[k] * radii[k] ** 2
+        parts += [
+            sb.Body(f"B{k}", mass=masses[k], inertia=(inertia,) * 3),
+            sb.Free(f"f{k}", "ground", f"B{k}"),
+        ]
+        parts.append(touch(f"floor{k}", "ground", f"B{k}", shapes=["plane", {"sphere": radii[k]}]))
+        parts += [
+            touch(f"c{j}{k}", f"B{j}", f"B{k}", shapes=[{"sphere": radii[j]}, {"sphere": radii[k]}])
+            for j in range(k)
+        ]
+        place = (*rng.uniform(-0.1, 0.1, 2), 0.35 * k + radii[k] + rng.uniform(0.01, 0.05))
+        start |= {f"f{k}_{c}": float(x) for c, x in zip("xyz", place, strict=True)}
+        start |= {f"f{k}_q{c}": float(c == "w") for c in "wxyz"}
+        start |= {f"f{k}_v{c}": float(rng.normal()) for c in "xyz"}
+        start |= {f"f{k}_w{c}": float(5 * rng.normal()) for c in "xyz"}
+    return sb.form_equations(sb.Model("scene", parts, gravity=(0, 0, -G))), start, mus
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(3, 30))]
+)
+def test_random_balls_keep_the_laws_of_contacts(seed: int) -> None:
+    eqs, start, mus = scene(seed)
+    run = sb.simulate(eqs, 1.5, start, rtol=1e-9, max_steps=50_000)
+    assert run.success, run.notes
+    energy = run["energy"]
+    assert np.diff(energy).max() <= 1e-6 * np.abs(energy).max()
+    assert abs(run.energy_drift) < 1e-5
+    for name, mu in mus.items():
+        gap, force = run[f"gap {name}"], run[f"contact_force {name}"]
+        assert gap.min() > -1e-6
+        assert force[2].min() > -1e-6
+        assert (np.hypot(force[0], force[1]) - mu * force[2]).max() <= 1e-6 * (1 + np.abs(force).max())
+        assert np.abs(force[2] * np.maximum(gap, 0.0)).max() < 1e-6 * (1 + force[2].max())
+
+
 def test_what_a_rigid_contact_cannot_have_is_refused() -> None:
     for friction in (sb.Friction(mu=0.3, radius=0.1), sb.Friction(mu=0.3, mu_y=0.2)):
         with pytest.raises(sb.ModelError, match="contact.friction"):

@@ -159,19 +159,25 @@ class _ModeSearch:
         """Return the value of each element that decides whether its mode holds."""
         outputs = {name: self._deciding_output(name, mode) for name, mode in modes.items() if mode != STICKS}
         # Reserves are one output: each by itself would be computed from the accelerations of all bodies.
-        reserves = ("friction_reserve",) if len(outputs) < len(modes) else ()
-        values = state.values_of((*outputs.values(), *reserves))
+        contacts = [name for name, mode in modes.items() if mode == STICKS and self.is_contact(name)]
+        reserves = ("friction_reserve",) if len(outputs) + len(contacts) < len(modes) else ()
+        both = [f"friction_reserve {name}" for name in contacts]
+        values = state.values_of((*outputs.values(), *reserves, *both))
         deciding = {name: float(values[output]) for name, output in outputs.items()}
         if reserves:
             names = [law.name for law in held.formed.friction]
             by_joint = dict(zip(names, np.ravel(values["friction_reserve"]).tolist(), strict=True))
-            deciding |= {name: by_joint[name] for name, mode in modes.items() if mode == STICKS}
+            stuck = [name for name, mode in modes.items() if mode == STICKS and name not in contacts]
+            deciding |= {name: by_joint[name] for name in stuck}
+        deciding |= {name: float(values[output]) for name, output in zip(contacts, both, strict=True)}
         return deciding
 
     def _deciding_output(self, name: str, mode: int) -> str:
         """Return the output whose value decides whether a closed or open gap, or a joint that slips, does."""
         if mode in (_CLOSED, _OPEN):
             return f"opening_effort {name}" if mode == _CLOSED else f"gap_ddot {name}"
+        if self.is_contact(name):
+            return f"friction_normal {name}"  # it slips along its acceleration, whatever that is
         return f"{self.coordinate(name)}_ddot"
 
     def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
@@ -184,25 +190,38 @@ class _ModeSearch:
             return value, f"{words.subject} is {words.open}: it constrains nothing"
         if mode == STICKS:
             return value, (
-                f"joint {name} sticks, {value:.6g} below its static limit: it does not move, and every "
-                f"position where it sticks is an equilibrium of this joint"
+                f"{self._subject(name)} sticks, {value:.6g} below its static limit: it does not move, and "
+                f"every position where it sticks is an equilibrium of this joint"
+                if not self.is_contact(name)
+                else f"{self._subject(name)} sticks, {value:.6g} below its static limit"
             )
+        if self.is_contact(name):
+            return value, f"{self._subject(name)} begins to slip"
         way = "forward" if mode > 0 else "backward"
-        return mode * value, f"joint {name} begins to slip {way}"
+        return mode * value, f"{self._subject(name)} begins to slip {way}"
 
     def unit(self, name: str) -> float:
         """Return the size of displacements of an element: a length, or 1 for an angle."""
         if name in self.gaps:
             return self.gaps[name]
-        slides = self.eqs.units.get(self.coordinate(name)) == "m"
+        slides = self.is_contact(name) or self.eqs.units.get(self.coordinate(name)) == "m"
         return self.length if slides else 1.0
+
+    def is_contact(self, name: str) -> bool:
+        """Return whether an element is the friction of a contact."""
+        return any(law.element == name and law.touch is not None for law in self.eqs.formed.friction)
+
+    def _subject(self, name: str) -> str:
+        return f"contact {name}" if self.is_contact(name) else f"joint {name}"
 
     def coordinate(self, joint: str) -> str:
         """Return the coordinate along which a joint slips."""
         return next(law.coordinate for law in self.eqs.formed.friction if law.name == joint)
 
     def _element(self, name: str) -> str:
-        return gap_words(self.eqs, name).subject if name in self.gaps else f"the friction of joint {name}"
+        if name in self.gaps:
+            return gap_words(self.eqs, name).subject
+        return f"contact {name}" if self.is_contact(name) else f"the friction of joint {name}"
 
     @staticmethod
     def _scales(evaluator: ConstraintEvaluator, state: State) -> tuple[float, float]:
@@ -231,7 +250,21 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
             openings[name] = UNDECIDED if at_length else Opening(LOOSE, is_decided=True)
     search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, sizes, openings)
     for name in joints:
+        if search.is_contact(name):
+            openings[name] = _contact_opening(search, evaluator, name, small)
+            continue
         rate = float(state[f"{search.coordinate(name)}_dot"])
         rests = abs(rate) <= small * search.unit(name)
         openings[name] = UNDECIDED if rests else Opening(int(np.sign(rate)), is_decided=True)
     return search
+
+
+def _contact_opening(search: _ModeSearch, evaluator: ConstraintEvaluator, name: str, small: float) -> Opening:
+    """Return what is known of the friction of a contact: there is none while its gap is open."""
+    laws = [law for law in search.eqs.formed.friction if law.element == name]
+    rows = (*search.eqs.formed.rows, *search.eqs.formed.slack)
+    gap = next(row.gap for row in rows for law in laws if law.touch is not None and law.touch.row == row.name)
+    rates = [evaluator.compile(f"friction_rate {law.name}")(evaluator.t, search.q, search.u) for law in laws]
+    if search.openings[gap].is_decided or np.linalg.norm(rates) > small * search.length:
+        return Opening(LOOSE, is_decided=True)
+    return UNDECIDED

@@ -1,4 +1,4 @@
-"""`ModeNumbers`: which dry joints stick and which ropes pull at a state, from the output `OF_MODES`."""
+"""`ModeNumbers`: what sticks and which gaps are closed at a state, from the output `OF_MODES`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, ModeVerdict, Responses, decide
+from symbody.analysis.modes.reduced_modes import ModeCandidate, ModeSolution, Responses, decide
 from symbody.analysis.scales import Scales
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.mode_responses import candidate_gaps, candidate_laws, reaction_sizes
-from symbody.kernels.modes.mode_problem import BOUNDED, HOLDS, LOOSE, UNILATERAL
+from symbody.kernels.modes.mode_problem import BOUNDED, CONE, HOLDS, LOOSE, UNILATERAL
 from symbody.tolerances import BALANCED, CANCELLED
 
 Floats = NDArray[np.float64]
@@ -44,7 +44,7 @@ class ModeNumbers:
     Attributes
     ----------
     joints, ropes : tuple of str
-        Joints whose friction switches or depends on reactions, and ropes: the order of the candidates.
+        Joints and contacts whose friction switches or depends on reactions, and gaps: the candidates.
     responses : Responses
     candidates : tuple of ModeCandidate
         Undecided but for joints with smooth friction.
@@ -60,42 +60,23 @@ class ModeNumbers:
         """All candidates."""
         return (*self.joints, *self.ropes)
 
-    def slight_effort(self, name: str) -> float:
-        """Return the effort that is rounding: that of the mass a candidate moves, by what cancels."""
-        k = self.names.index(name)
-        response = float(self.responses.matrix[k, k])
-        return CANCELLED / BALANCED * self.candidates[k].rounding / response if response > 0.0 else 0.0
-
     def decide(self, openings: Mapping[str, Opening]) -> ModeSolution:
         """Return which candidates hold.
 
-        Ropes that are slack whatever the efforts are take no part: at length 0 they have no direction.
+        Gaps that are open whatever the efforts are take no part: a rope of length 0 has no direction.
         """
         opened = [self._open(k, openings) for k in range(len(self.names))]
         acting = [k for k, one in enumerate(opened) if not (one.kind == UNILATERAL and one.moves)]
-        found = decide([opened[k] for k in acting], self.responses.of_rows(acting))
-        modes, efforts = np.full(len(opened), LOOSE), np.zeros(len(opened))
-        modes[acting], efforts[acting] = found.modes, found.efforts
-        accelerations = self.responses.offsets + self.responses.matrix[:, acting] @ found.efforts
-        accelerations[acting] = found.accelerations
+        first = np.cumsum([0, *(one.rows for one in opened)])
+        rows = [row for k in acting for row in range(first[k], first[k + 1])]
+        found = decide([opened[k] for k in acting], self.responses.of_rows(rows))
+        modes = np.full(len(opened), LOOSE)
+        modes[acting] = found.modes
+        efforts = np.zeros(first[-1])
+        efforts[rows] = found.efforts
+        accelerations = self.responses.offsets + self.responses.matrix[:, rows] @ found.efforts
+        accelerations[rows] = found.accelerations
         return found._replace(modes=tuple(modes.tolist()), efforts=efforts, accelerations=accelerations)
-
-    def strike(self, rates: Mapping[str, float]) -> dict[str, float] | None:
-        """Return the impulses after which the ends of no rope move apart; None where there are none.
-
-        Parameters
-        ----------
-        rates : mapping of rope to float
-            Of slackness before, of those at their length.
-        """
-        places = [self.names.index(name) for name in rates]
-        responses = self.responses.of_rows(places)._replace(offsets=np.array(list(rates.values())))
-        ends = [ModeCandidate(UNILATERAL, self.candidates[k].scale) for k in places]
-        found = decide(ends, responses._replace(loads=np.zeros(0), reactions=np.zeros((0, len(places)))))
-        if found.verdict is not ModeVerdict.ONE:
-            return None
-        triples = zip(rates, found.modes, found.efforts.tolist(), strict=True)
-        return {name: impulse for name, mode, impulse in triples if mode == HOLDS}
 
     def _open(self, k: int, openings: Mapping[str, Opening]) -> ModeCandidate:
         candidate = self.candidates[k]
@@ -117,15 +98,22 @@ def mode_numbers(eqs: EquationSet, values: Sequence[float], scales: Scales) -> M
     responses = Responses(parts[1], parts[2].reshape(n, n), parts[3], parts[4].reshape(c, n))
     units = [1.0 if law.turns else scales.length for law in laws] + [scales.gap(eqs, name) for name in lines]
     rounding = BALANCED * parts[5] + CANCELLED * np.array(units) / scales.time**2
-    candidates = [
-        ModeCandidate(BOUNDED, unit, count, float(sliding), float(static), rounding=float(slight))
-        .with_slip(0.0 if law.switches else float(slip), moves=not law.switches)
-        for law, unit, count, (slip, sliding, static), slight
-        in zip(laws, units, counts, strengths, rounding, strict=False)
-    ]  # fmt: skip
+    names = tuple(dict.fromkeys(law.element for law in laws))
+    candidates, kept = [], list[int]()  # both directions of a contact read one reaction
+    for name in names:
+        own = [k for k, law in enumerate(laws) if law.element == name]
+        slip, sliding, static = strengths[own[0]]
+        one = ModeCandidate(
+            CONE if len(own) > 1 else BOUNDED, units[own[0]], counts[own[0]], float(sliding), float(static),
+            rounding=float(rounding[own].max()),
+        )  # fmt: skip
+        switches = laws[own[0]].switches
+        candidates.append(one.with_slip(0.0 if switches else float(slip), moves=not switches))
+        start = sum(counts[: own[0]])
+        kept += range(start, start + counts[own[0]])
+    responses = responses._replace(loads=responses.loads[kept], reactions=responses.reactions[kept])
     candidates += [
         ModeCandidate(UNILATERAL, unit, rounding=float(slight))
         for unit, slight in zip(units[len(laws) :], rounding[len(laws) :], strict=True)
     ]
-    names = tuple(law.name for law in laws)
     return ModeNumbers(names, tuple(lines), responses, tuple(candidates))

@@ -156,7 +156,13 @@ def _slip_in_mode(law: FrictionLaw, partner: FrictionLaw | None, mode: Expr) -> 
     back = along.apply(LT, zero)
     length = sqrt(moves.apply(SELECT, square, one))
     slip = moves.apply(SELECT, law.rate / back.apply(SELECT, -length, length), ahead)
+    slip = _is_held(mode).apply(SELECT, zero, slip)
     return replace(law, slip=slip, switches=False, may_stick=True, heading=ahead)
+
+
+def _is_held(mode: Expr) -> Expr:
+    """Return the condition that an element holds."""
+    return mode.apply(ABS).apply(LT, number(mode.graph, 1) / 2)
 
 
 def mode_heading(mode: Expr) -> tuple[Expr, Expr]:
@@ -180,7 +186,7 @@ def _row_in_mode(row: ConstraintEquation, mode: Expr) -> ConstraintEquation:
     A choice, not a product: the direction of a slack rope whose ends coincide is no number.
     """
     zero = number(mode.graph, 0)
-    holds = mode.apply(ABS).apply(LT, number(mode.graph, 1) / 2)
+    holds = _is_held(mode)
 
     def choose(value: Expr) -> Expr:
         return holds.apply(SELECT, value, zero)
