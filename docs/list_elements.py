@@ -23,7 +23,7 @@ DOCS = Path(__file__).parent
 # Arguments that many elements share; the text beside the table tells about them.
 SHARED = {
     "name", "start", "end", "coordinate", "coordinates", "tree", "force", "torque", "motion", "as_constraint",
-    "armature", "friction",
+    "armature", "friction", "limits",
 }  # fmt: skip
 LONGEST = 72
 

@@ -53,11 +53,13 @@ from .model import Stop as Stop
 from .model import Curve as Curve
 
 # Model and elements: forces
+from .model import Backlash as Backlash
 from .model import Bushing as Bushing
 from .model import Contact as Contact
 from .model import Drive as Drive
 from .model import Force as Force
 from .model import Friction as Friction
+from .model import Limits as Limits
 from .model import NormalForce as NormalForce
 from .model import SpringDamper as SpringDamper
 from .model import Torque as Torque

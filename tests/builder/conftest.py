@@ -15,7 +15,7 @@ import uvicorn
 
 from symbody.builder.app import make_app
 from symbody.builder.run import listening_socket
-from symbody.builder.settings import BuilderSettings, Limits, make_settings
+from symbody.builder.settings import BuilderSettings, ServerLimits, make_settings
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def builder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Builder]:
         roots=(models,),
         state=folder / "state",
         pages=pages,
-        limits=Limits(body=2_000_000, receive=1.0),
+        limits=ServerLimits(body=2_000_000, receive=1.0),
     )
     server = uvicorn.Server(uvicorn.Config(make_app(settings), log_level="critical", ws="none"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)

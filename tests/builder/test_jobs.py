@@ -23,7 +23,7 @@ import pytest
 import symbody as sb
 from symbody.builder import workers
 from symbody.builder.jobs import Jobs
-from symbody.builder.settings import Limits, pages_folder
+from symbody.builder.settings import ServerLimits, pages_folder
 from symbody.builder.task_failure import TaskFailure
 from symbody.builder.tasks.analyses import equilibrium, inverse, modes, singular_positions
 from symbody.builder.tasks.equations import all_tabs, derive_equations, equation_tab
@@ -358,7 +358,7 @@ class BrokenWorker:
 
 def test_a_job_ends_whatever_happens_and_no_longer_counts() -> None:
     broken = BrokenWorker(taken=True)
-    jobs = Jobs(broken, Limits(jobs=1))  # type: ignore[arg-type]
+    jobs = Jobs(broken, ServerLimits(jobs=1))  # type: ignore[arg-type]
     for turn in range(1, 4):  # one at a time is the limit
         answer: dict[str, Any] = {"state": "running", "seen": -1}
         job = jobs.start("simulate", {})
@@ -374,7 +374,7 @@ def test_a_job_ends_whatever_happens_and_no_longer_counts() -> None:
 
 
 def test_a_job_that_finds_no_process_is_none() -> None:
-    jobs = Jobs(BrokenWorker(taken=False), Limits(jobs=1))  # type: ignore[arg-type]
+    jobs = Jobs(BrokenWorker(taken=False), ServerLimits(jobs=1))  # type: ignore[arg-type]
     for _ in range(2):
         with pytest.raises(OSError, match="no process"):
             jobs.start("simulate", {})

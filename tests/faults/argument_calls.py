@@ -30,7 +30,8 @@ ELEMENTS = [each.__name__ for kind in KINDS for each in element_types(kind).valu
 CONSTRUCTORS = (
     *ELEMENTS,
     *(each.__name__ for each in shape_types().values()),
-    *"Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Model Partition Projection Samples".split(),
+    *"Backlash Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Limits Model NormalForce".split(),
+    *"Partition Projection Samples".split(),
     *"FmuInput GeneralizedAlpha Include Initial Stiff Table Trees".split(),
     *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )

@@ -123,6 +123,23 @@ def test_impacts_of_ropes_are_told_as_by_simulate(
         assert values == pytest.approx(exact, rel=1e-5)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_ball_bounces_as_by_simulate(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    limits = sb.Limits(low=0, rigid=True, restitution="e")
+    rail = sb.Prismatic("rail", "ground", sb.Body("Ball", mass=0.3), axis="z", coordinate="z", limits=limits)
+    model = sb.Model("ball", [rail], (0, 0, -9.81), parameters={"e": 0.7}, initial={"z": 1.0})
+    eqs = sb.form_equations(model)
+    run = sb.simulate(eqs, 1.5, times=np.linspace(0.0, 1.5, 21), rtol=1e-10)
+    path = sb.save_fmu(eqs, tmp_path / "ball.fmu", sources=False).path
+    seen = simulate(path, kind, 1.5, ["z"], 1e-10)
+    assert seen[0] == pytest.approx(run["z"], abs=1e-6)
+    told_impacts = [
+        line for line in told(path, kind, 1.5, 15, capsys) if "stops close with an impact" in line
+    ]
+    assert len(told_impacts) == sum(event.name == "rail low impact" for event in run.events) >= 2
+    assert "rail low by 2.2" in told_impacts[0]  # m v (1 + e), up to the digits that follow
+
+
 def test_a_mode_and_what_ends_it_have_names_of_their_own(tmp_path: Path) -> None:
     made = sb.save_fmu(belt(), tmp_path / "a.fmu", outputs=["mode contact"], platforms=())
     names = [variable.name for variable in made.variables if "mode" in variable.name]

@@ -58,9 +58,10 @@ WORDS = {
     "belt": ["coupled = ['a1', 'a2']\nradii = ['L', 1]\ncrossed = true\noffset = 1",
              "coupled = ['a1', 'a2']\nradii = [1, 2]"],
     "differential": ["coupled = ['a1', 'a2', 'a3']\noffset = '20 deg'", "coupled = ['a1', 'a2', 'a3']"],
+    "stop": ["gap = 'L - s'\nrestitution = 0.5", "gap = 's - sin(t)'"],
     "equation": ["equations = 'a1 - a2*L'", "equations = ['a1_dot - a2_dot*s', 'a3']"],
 }  # fmt: skip
-WITHOUT_FRAMES = ("gear", "rack_pinion", "belt", "differential", "equation")
+WITHOUT_FRAMES = ("gear", "rack_pinion", "belt", "differential", "equation", "stop")
 
 
 def text(word: str, own: str) -> str:

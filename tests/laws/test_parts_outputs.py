@@ -75,21 +75,24 @@ class Level:
 
 
 def elements_of(n: Level, mass: str, angle: str, frames: Mapping[str, sb.Frame]) -> list[object]:
-    """All kinds of loads, friction, a rope, a rod, a contact, a prescribed motion, and signals of all kinds."""
+    """All kinds of loads, friction, limits, contacts, a rope, a rod, a prescribed motion, signals of all kinds."""
     own = {"tip": sb.Frame(at=(1, 0, 0)), "own": sb.Frame(at=(0, 1, 0))}
     ground, post, angle = n.ground, n.address("ground.post"), n(angle)
     return [
         sb.Body(n("Base"), mass=1, inertia=(1, 1, 1), frames={**MOUNT, **frames}),
-        sb.Revolute(n("hinge"), ground, n("Base"), axis="z", coordinate=n("base")),
+        sb.Revolute(n("hinge"), ground, n("Base"), axis="z", coordinate=n("base"),
+                    limits={"high": 3, "rigid": True}),
         sb.Body(n("Arm"), mass=n.symbol(mass), inertia=(1, 2, 3), frames=own),
         sb.Body(n("Big slider"), mass=2, inertia=(1, 1, 1), frames={"tip": sb.Frame(at=(0, 0.5, 0))}),
         sb.Planar(n("cart"), ground, n("Big slider"), coordinates=[n("cx"), n("cy"), n("turn")],
-                  force={n("cx"): sb.Drive(stiffness=3)}, torque={n("turn"): sb.Drive(damping=0.5)}),
+                  force={n("cx"): sb.Drive(stiffness=3)}, torque={n("turn"): sb.Drive(damping=0.5)},
+                  limits={n("cx"): {"low": -9, "rigid": True}, n("cy"): {"high": 0.1, "stiffness": 3}}),
         sb.Revolute(n("knee"), f"{n('Big slider')}.tip", n("Arm"), axis="z", coordinate=angle,
                     friction=sb.Friction(force=0.3, v0=0.1), torque=sb.Drive(applied=f"-{angle}_dot")),
         sb.Body(n("Wheel"), mass=1, inertia=(1, 1, 2)),
         sb.Planar(n("wheel path"), ground, n("Wheel"), coordinates=[n("wx"), n("wy"), n("roll")]),
         sb.Rolling(n("tyre"), ground, n("Wheel"), radius=1, normal="y", axis="z"),
+        sb.Contact(n("pad"), ground, n("Wheel"), ["plane", {"sphere": 0.5}], normal=sb.NormalForce(stiffness=9)),
         sb.Prismatic(n("lift"), ground, sb.Body(n("Cage"), mass=1), axis="y", coordinate=n("y"), motion="0.1*t"),
         sb.Distance(n("line"), post, f"{n('Arm')}.tip", 4, rope=True),
         sb.Distance(n("rod one"), ground, f"{n('Arm')}.own", 2),
@@ -140,6 +143,9 @@ class Draw:
         return f'"{word}"' if word and self.rng.random() < 0.3 else word
 
     def full(self, argument: OutputArgument, word: str, before: tuple[str, ...]) -> str:
+        if word.endswith("cx low"):  # an end is named after the joint and its coordinate
+            joint, coordinate, end = word.split(" ")
+            return f"{self.n(joint)} {self.n(coordinate)} {end}"
         if isinstance(argument, ElementWord | SpeedWord):
             return self.n(word) if word else ""
         if isinstance(argument, CoordinateWord):

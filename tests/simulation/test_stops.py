@@ -106,9 +106,7 @@ def test_the_order_of_stops_does_not_matter(order: tuple[int, ...]) -> None:
 def arm(**stop: object) -> sb.EquationSet:
     """Return an arm that falls from above onto a stop for its angle."""
     body = sb.Body("Arm", mass=2.0, inertia=(0, 0, 0.1), frames={"hip": sb.Frame(at=(-0.5, 0, 0))})
-    hinge = sb.Revolute(
-        "hip", "ground", body["hip"], axis="z", coordinate="phi", torque=sb.Drive(applied="T")
-    )
+    hinge = sb.Revolute("hip", "ground", body["hip"], axis="z", coordinate="phi", torque=sb.Drive("T"))
     rest = sb.Stop("rest", "phi + pi/6", **stop)  # type: ignore[arg-type]
     model = sb.Model("arm", [hinge, rest], gravity=(0, -G, 0), inputs=["T"], initial={"phi": 1.0})
     return sb.form_equations(model)
@@ -149,10 +147,8 @@ def test_assembly_equilibrium_and_linear_equations_know_closed_gaps() -> None:
 @pytest.mark.parametrize("value", [-0.1, 1.5])
 def test_restitution_is_a_share(value: float) -> None:
     with pytest.raises(sb.ModelError, match=r"restitution|from 0 to 1"):
-        sb.Model(
-            "m",
-            [sb.Prismatic("rail", "ground", sb.Body("B", mass=1)), sb.Stop("s", "rail", restitution=value)],
-        )
+        rail = sb.Prismatic("rail", "ground", sb.Body("B", mass=1))
+        sb.Model("m", [rail, sb.Stop("s", "rail", restitution=value)])
 
 
 def test_a_gap_does_not_depend_on_speeds() -> None:
@@ -180,3 +176,44 @@ def test_steppers_sweeps_and_programs_meet_the_same_impacts() -> None:
     for k, e in enumerate((0.8, 0.1, 1.0)):
         alone = sb.simulate(eqs, 3.0, times=[3.0], parameters={"e": e})
         assert np.ravel(cases["z"])[k] == pytest.approx(alone["z"][-1], abs=1e-7)
+
+
+def test_a_closed_gap_is_a_constraint_of_small_deviations() -> None:
+    rest = sb.find_equilibrium(arm(), {"phi": -0.4})
+    assert rest.linearization.A.shape == (0, 0) or rest.stable is not False
+    lifted = sb.find_equilibrium(arm(), {"phi": 1.4})
+    assert lifted.q["phi"] == pytest.approx(np.pi / 2) and lifted.verdict == "unstable"
+    assert any("stop rest is open" in note for note in lifted.notes)
+    edge = sb.find_equilibrium(arm(), {"phi": -0.5}, inputs={"T": 2.0 * G * 0.5 * np.cos(np.pi / 6)})
+    assert edge.verdict == "undecided"
+    assert any("closed without effort" in note for note in edge.notes)
+
+
+def test_a_stop_never_pulls_at_an_equilibrium() -> None:
+    rail = sb.Prismatic("rail", "ground", sb.Body("B", mass=1), axis="z", coordinate="z",
+                        force=sb.Drive(stiffness=100),
+                        limits={"high": 0.5, "low": -1, "rigid": True})  # fmt: skip
+    eqs = sb.form_equations(sb.Model("m", [rail], gravity=(0, 0, -10)))
+    for guess in (0.5, 0.4, -0.9, -1.0):
+        rest = sb.find_equilibrium(eqs, {"z": guess})
+        assert rest.q["z"] == pytest.approx(-0.1) and not rest.branches
+        assert "stop rail high is open" in rest.notes
+
+
+def test_what_is_said_of_stops() -> None:
+    eqs = ball()
+    assert any("closed gap" in note for note in eqs.notes)
+    assert "z >= 0 (0 while the gap is closed" in eqs.text()
+    with pytest.raises(sb.UsageError, match="stop is open or closed"):
+        sb.inverse_dynamics(eqs, {"z": "t"}, [], [0.0])
+    with pytest.raises(sb.UsageError, match="stops open"):
+        sb.generate_code(eqs, "z", language="modelica")
+    down = sb.Event("t - 0.1", action={"z": "-0.5"}, name="down")
+    run = sb.simulate(eqs, 1.0, events=down)
+    assert any("gap of floor negative" in note for note in run.notes)
+
+
+def test_paths_end_at_stops() -> None:
+    path = sb.trace_positions(arm(), {"phi": np.linspace(0.0, -1.0, 11)})
+    assert path.limits["phi"] == pytest.approx(-np.pi / 6)
+    assert any("stop rest: the mechanism cannot move beyond" in note for note in path.notes)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from symbody.analysis.configurations.assembly import find_configuration
-from symbody.analysis.configurations.ropes import rope_assumptions
+from symbody.analysis.configurations.closed_gaps import gap_assumptions
 from symbody.analysis.constraint_evaluator import constraint_evaluator
 from symbody.analysis.named_values import named_values, refuse_unknown
 from symbody.analysis.scales import mechanism_scales
@@ -46,7 +46,7 @@ class Redundancy:
         Independent speeds at the guess itself, where their number differs.
     notes : tuple of str
         Where the two counts differ, where branches of several dimensions meet, and undecided counts; also
-        ropes that are taken as taut.
+        ropes and stops that are taken as taut and closed.
     undetermined : tuple of str
         Outputs that do not follow from the motion: components of reactions, "reaction J Fz", and efforts that
         hold motions, "effort J". Their values are those of the minimum-norm solution.
@@ -146,7 +146,7 @@ def redundancy(
         tuple(names[k] for k in sorted(kept)),
         tuple(name for k, name in enumerate(names) if k not in kept),
         None if count.instantaneous == count.degrees_of_freedom else count.instantaneous,
-        (*count.notes, *rope_assumptions(eqs)),
+        (*count.notes, *gap_assumptions(eqs)),
         undetermined_outputs(eqs, parameters or {}, [(0.0, point) for point in branch.points]),
     )
 

@@ -97,7 +97,7 @@ class State(Displayed):
         )
 
     def _share_functions(self, other: State) -> State:
-        """Return a branch with the functions compiled here, unless its ropes or inputs are others."""
+        """Return a branch with the functions compiled here, unless its closed gaps or inputs are others."""
         if other.eqs is not self.eqs or (other.parameters, other.inputs) != (self.parameters, self.inputs):
             return other
         return replace(other, _functions=self._functions)

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from symbody.builder.page_problems import fault_problem, page_problem
 from symbody.builder.refusal import refusal
-from symbody.builder.settings import Limits
+from symbody.builder.settings import ServerLimits
 from symbody.builder.task_failure import TaskFailure
 from symbody.builder.workers import Reserve, Worker
 from symbody.errors import Problem, SymbodyError
@@ -65,7 +65,7 @@ class JobState:
 class Jobs:
     """All jobs of a run of the server."""
 
-    def __init__(self, reserve: Reserve, limits: Limits) -> None:
+    def __init__(self, reserve: Reserve, limits: ServerLimits) -> None:
         self._reserve = reserve
         self._limits = limits
         self._news = Condition()

@@ -16,7 +16,7 @@ from symbody.visual.viewer.built_files import why_no_pages
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ServerLimits:
     """How much one page may ask for.
 
     Attributes
@@ -66,7 +66,7 @@ class BuilderSettings:
     examples: Path
     roots: tuple[Path, ...]
     state: Path
-    limits: Limits = Limits()
+    limits: ServerLimits = ServerLimits()
     token: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
     key: str = field(default_factory=lambda: secrets.token_urlsafe(32), repr=False)
 
@@ -90,7 +90,7 @@ def make_settings(
     roots: tuple[Path, ...] | None = None,
     state: Path | None = None,
     pages: Path | None = None,
-    limits: Limits | None = None,
+    limits: ServerLimits | None = None,
 ) -> BuilderSettings:
     """Return the settings of a builder.
 
@@ -114,7 +114,7 @@ def make_settings(
         examples=examples_folder().resolve(),
         roots=tuple(root.resolve() for root in (roots or _usual_roots())),
         state=state_folder() if state is None else state,
-        limits=limits or Limits(),
+        limits=limits or ServerLimits(),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -49,7 +49,7 @@ from symbody.expr.deadline import begin
 from symbody.expr.graph import Graph
 from symbody.expr.printing.text import to_text
 from symbody.graph.topology import Topology
-from symbody.model.constraints import Distance
+from symbody.model.constraints import Distance, Stop
 from symbody.model.contacts.contact import Contact
 from symbody.model.model import Model
 
@@ -327,7 +327,7 @@ def _notes(system: MultibodySystem) -> tuple[str, ...]:
     return (
         *_cut_coupling_notes(system.joint_roles),
         *_singularity_notes(system.graph, system.variables),
-        *_rope_notes(system.topology.model),
+        *_gap_notes(system.topology.model),
         *_contact_notes(system.topology.model),
     )
 
@@ -358,12 +358,16 @@ def _contact_notes(model: Model) -> tuple[str, ...]:
     )
 
 
-def _rope_notes(model: Model) -> tuple[str, ...]:
-    names = [part.name for part in model.constraints if isinstance(part, Distance) and part.rope]
-    return tuple(
-        f"constraint {name}: the equations are for the taut rope; simulate switches when the rope goes slack"
-        for name in names
-    )
+def _gap_notes(model: Model) -> Iterator[str]:
+    """Yield notes on what holds in some modes alone."""
+    for part in model.constraints:
+        holds = ""
+        if isinstance(part, Distance) and part.rope:
+            holds = "the taut rope; simulate switches when the rope goes slack"
+        elif isinstance(part, Stop | Contact):
+            holds = "the closed gap; simulate switches when the gap opens"
+        if holds:
+            yield f"constraint {part.name}: the equations are for {holds}"
 
 
 def _singularity_notes(graph: Graph, variables: Variables) -> tuple[str, ...]:

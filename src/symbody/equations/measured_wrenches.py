@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from symbody.equations.dynamics.balance import NO_WRENCH, Wrench, balance_wrenches
+from symbody.equations.dynamics.load import GeneralizedForce
 from symbody.equations.dynamics.reactions import drive_wrench, row_wrenches, sum_wrenches
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.variables import JointRole
-from symbody.equations.loads.loads import effort_name
 from symbody.equations.system import MultibodySystem
 from symbody.expr.expression import Expr, number
 
@@ -22,27 +22,28 @@ def unit_wrenches(system: MultibodySystem) -> Iterator[tuple[str, tuple[str, Wre
 
 
 def drive_wrenches(system: MultibodySystem) -> Iterator[tuple[str, Wrench]]:
-    """Return the wrenches of drives, rotors and friction along measured coordinates, by joint."""
+    """Return the wrenches of loads and rotors along measured coordinates, by joint."""
     names, kinematics = system.names, system.kinematics
     for role, coordinate in _loaded_coordinates(system):
         joint = role.joint
-        effort = system.loads.efforts.get(effort_name(joint, coordinate), number(system.graph, 0))
+        effort = number(system.graph, 0)
         if coordinate in system.rotors:
             rotor = system.rotors[coordinate]
             effort = effort - rotor.inertia * kinematics.rate(rotor.rate)
-        for law in system.friction:
-            if law.name == joint.name and law.coordinate == coordinate:
-                effort = effort + law.effort
+        for load in system.loads.loads:
+            if isinstance(load, GeneralizedForce) and load.coordinate == coordinate:
+                effort = effort + load.effort
         yield joint.name, drive_wrench(names, kinematics, joint, coordinate, effort)
 
 
 def _loaded_coordinates(system: MultibodySystem) -> Iterator[tuple[JointRole, str]]:
-    """Return the measured coordinates with a drive, a rotor or friction."""
+    """Return the measured coordinates with a load or a rotor."""
+    along = {load.coordinate for load in system.loads.loads if isinstance(load, GeneralizedForce)}
     for role in system.joint_roles:
-        joint = role.joint
-        friction = {law.coordinate: law for law in system.friction if law.name == joint.name}
-        for coordinate in {**joint.drives, **joint.armature, **friction}:
-            if coordinate not in role.coordinates:
+        for coordinate in role.joint.coordinates:
+            if coordinate not in role.coordinates and (
+                coordinate in along or coordinate in role.joint.armature
+            ):
                 yield role, coordinate
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from symbody.codegen.kernels.dialect import PREFIX
 from symbody.codegen.kernels.reader import read_kernels
 from symbody.codegen.kernels.text_writer import kernel_text
 from symbody.codegen.kernels.tree import KernelTree, Type
+from symbody.equations.solving.unilateral import unilateral_row
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
 from symbody.kernels import block
@@ -125,6 +126,7 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         _numbers("sb_jump_margins", (margin for _, margin in program.jumps.times)),
         _table("char *const", "sb_names", (_string(variable.name) for variable in variables), "const "),
         _table("char *const", "sb_elements", map(_string, program.modal.names), "const "),
+        _flags("sb_stops", _stops(program)),
         _functions(program, places),
     ]
     sizes = _sizes(program, pool, places) | {"SB_TOKEN": _string(token)}
@@ -228,6 +230,13 @@ def _functions(program: FmuProgram, places: Mapping[str, int]) -> str:
 
 def _numbers(name: str, values: Iterable[float]) -> str:
     return _table("double", name, (C.literal(float(value), Type.REAL) for value in values))
+
+
+def _stops(program: FmuProgram) -> Iterator[bool]:
+    """Yield which of the elements with modes are stops."""
+    formed = program.modal.eqs.formed
+    yield from (False for _ in program.modal.joints)
+    yield from (unilateral_row(formed, name).sense > 0 for name in program.modal.ropes)
 
 
 def _flags(name: str, values: Iterable[bool]) -> str:

@@ -91,7 +91,7 @@ class FmuProgram:
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
-        The same equations with the modes of joints and ropes as inputs, of which functions are made.
+        The same equations with the modes of joints, ropes and stops as inputs, of which functions are made.
     samples : FmuSamples
         What is held between samples.
     jumps : FmuJumps

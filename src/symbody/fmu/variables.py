@@ -9,8 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from symbody.analysis.configurations.ropes import with_taut
+from symbody.analysis.configurations.closed_gaps import with_closed_gaps
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.unilateral import unilateral_row
 from symbody.expr import opcodes as op
 from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.fmu.program import FmuProgram
@@ -81,7 +82,7 @@ def independent_states(program: FmuProgram) -> tuple[bool, ...]:
     eqs, modal = program.eqs, program.modal
     if not modal.eqs.multiplier_names:
         return (True,) * len(eqs.state_names)
-    closed = with_taut(program.motion.eqs, ())  # nothing is held at first
+    closed = with_closed_gaps(program.motion.eqs, ())  # nothing is held at first
     chosen = closed.mobility.independent_speeds if closed.multiplier_names else range(len(eqs.speed_names))
     r = np.array([*[0.0] * len(eqs.input_names), *[float(LOOSE)] * len(modal.modes)])
     return free_states(modal.eqs, program.parameters.given, program.x0, r, chosen)
@@ -185,7 +186,9 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
             name = f"condition[{k}]"
             yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
-    ends += [(f"rope {name} goes slack or taut", name) for name in program.modal.ropes]
+    for name in program.modal.ropes:
+        is_rope = unilateral_row(program.modal.eqs.formed, name).sense < 0
+        ends.append((f"rope {name} goes slack or taut" if is_rope else f"stop {name} closes or opens", name))
     for words, name in ends:
         yield FmuVariable(
             f"mode_end.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"

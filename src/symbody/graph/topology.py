@@ -76,7 +76,7 @@ class Topology:
     def output_scope(self) -> OutputScope:
         """What names of outputs refer to."""
         model = self.model
-        elements = (*model.elements, *self.joints)
+        elements = (*model.elements, *self.joints, *model.constraints)
         return self._scope.get(None, lambda: make_scope(elements, model.bodies, model.ground))
 
     @property

@@ -272,6 +272,8 @@ def pass_jump_of_rates(
 
     Samples at the time of a jump are of the state behind it.
     """
+    if run.room.every_step != 0.0 and run.counts.samples == run.room.samples:
+        return FULL  # the state behind is a sample
     if EVENTS != 0:
         if run.counts.steps == run.room.steps:
             return FULL  # behind the steps there has to be room for one more

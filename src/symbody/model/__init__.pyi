@@ -43,6 +43,8 @@ from .loads.forces import SpringDamper as SpringDamper
 from .loads.forces import Torque as Torque
 from .loads.forces import TorsionSpring as TorsionSpring
 from .loads.friction import Friction as Friction
+from .loads.gap_laws import Backlash as Backlash
+from .loads.gap_laws import Limits as Limits
 from .model import Model as Model
 from .model import resolve_parameters as resolve_parameters
 from .parts.include import Include as Include

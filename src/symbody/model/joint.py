@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Final, Literal
 
 from symbody.errors import nearest
 from symbody.expr.language.formula import Formula
+from symbody.model.constraints.couplings import Stop
 from symbody.model.declarations.arguments import ZERO, Arguments
 from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.declarations.fields import Quantity, Refusal
@@ -16,6 +17,7 @@ from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
+from symbody.model.loads.gap_laws import Limits
 from symbody.model.naming import make_symbol
 from symbody.model.numeric_checks import NumericChecks
 from symbody.model.simple_rotation import SimpleRotation
@@ -158,6 +160,11 @@ class Joint(Connection):
         return FrozenMapping()
 
     @property
+    def limits(self) -> FrozenMapping[Limits]:
+        """The ends of each coordinate that has some."""
+        return FrozenMapping()
+
+    @property
     def motion(self) -> FrozenMapping[Formula]:
         """Each prescribed coordinate as a formula in parameters and t."""
         return FrozenMapping()
@@ -237,6 +244,31 @@ class Joint(Connection):
         return {**self.force, **self.torque}
 
     @property
+    def compliant_limits(self) -> Mapping[str, Limits]:
+        """The ends at which a force acts along the coordinate."""
+        return {x: limits for x, limits in self.limits.items() if not limits.rigid}
+
+    @property
+    def loaded_coordinates(self) -> tuple[str, ...]:
+        """The coordinates along which drives or limits act."""
+        acting = {*self.drives, *self.compliant_limits}
+        return tuple(x for x in self.coordinates if x in acting)
+
+    @property
+    def stops(self) -> tuple[Stop, ...]:
+        """What rigid limits are: a stop at each end."""
+        return tuple(
+            Stop(f"{self.effort_name(x)} {end}", gap, restitution=limits.restitution or 0)
+            for x, limits in self.limits.items()
+            if limits.rigid
+            for end, gap in limits.gaps(x)
+        )
+
+    def effort_name(self, coordinate: str) -> str:
+        """Return the name of the effort along a coordinate: the joint, and the coordinate of several."""
+        return f"{self.name} {coordinate}" if len(self.coordinates) > 1 else self.name
+
+    @property
     def motions(self) -> Mapping[str, Formula]:
         """Each prescribed coordinate as a formula in parameters and t."""
         return self.motion
@@ -285,9 +317,9 @@ class Joint(Connection):
         return self.locked_rotations + self.locked_translations
 
     def output_words(self, kind: str) -> tuple[str, ...]:
-        """Return what may follow its name in outputs of a kind: of several coordinates those driven."""
+        """Return what may follow its name in outputs of a kind: of several coordinates those with one."""
         if kind == "effort":
-            driven = tuple(x for x in self.coordinates if x in self.drives or x in self.motions)
+            driven = tuple(x for x in self.coordinates if x in self.loaded_coordinates or x in self.motions)
             return driven if len(self.coordinates) > 1 else ("",) * len(driven)
         has_friction = self.friction is not None and not self.friction.is_none
         if kind == "mode":
@@ -304,6 +336,11 @@ class Joint(Connection):
             for coordinate, drive in drives.items():
                 yield self.coordinate_path(word, coordinate), coordinate, drive
 
+    def limits_with_paths(self) -> Iterator[tuple[str, str, Limits]]:
+        """Return the limits of each coordinate after their place and the coordinate."""
+        for coordinate, limits in self.limits.items():
+            yield self.coordinate_path("limits", coordinate), coordinate, limits
+
     def check_numbers(self, check: NumericChecks, label: str) -> None:
         """Note numbers that cannot be, and a choice without effect."""
         Connection.check_numbers(self, check, label)
@@ -311,18 +348,23 @@ class Joint(Connection):
             check.note(f"{label}: as_constraint has no effect, because no motion is prescribed")
 
     def check(self, arguments: Arguments) -> None:
-        """Note drives and motions of coordinates that cannot have them."""
-        if not (self.force or self.torque or self.motion):
+        """Note drives, limits and motions of coordinates that cannot have them."""
+        if not (self.force or self.torque or self.motion or self.limits):
             return
         angles, displacements = self.angle_coordinates, self.translation_coordinates
         for word, keys, fitting in (
             ("force", self.force, displacements),
             ("torque", self.torque, angles),
             ("motion", self.motion, (*displacements, *angles)),
+            ("limits", self.limits, (*displacements, *angles)),
         ):
             for key in keys:
                 if key not in fitting:
                     _refuse_key(self, arguments, word, key, fitting)
+        for name in self.limits.keys() & self.motions.keys():
+            what, why = f"the motion of {name} is prescribed", "it is what it is, beyond limits too"
+            fix = "remove motion or limits; a drive moves a coordinate as far as its limits let it"
+            arguments.add("model.limits", self.coordinate_path("limits", name), what, why, fix)
         if not self.as_constraint:
             _check_motions(self, arguments)
 
@@ -330,9 +372,11 @@ class Joint(Connection):
 def _refuse_key(joint: Joint, arguments: Arguments, word: str, key: str, fitting: Iterable[str]) -> None:
     path = joint.coordinate_path(word, key)
     if key in (joint.quaternion or ()):
-        what = f"{key} is a component of a quaternion, which cannot be driven individually"
+        done = "limited" if word == "limits" else "driven"
+        what = f"{key} is a component of a quaternion, which cannot be {done} individually"
         why = "the four components depend on each other"
-        fix = 'choose angles, for instance angles = "313"; or apply a [[torque]] to the body'
+        other = "write a [[constraint]] stop" if word == "limits" else "apply a [[torque]] to the body"
+        fix = f'choose angles, for instance angles = "313"; or {other}'
         arguments.add("model.quaternion_component", path, what, why, fix)
     elif key in joint.coordinates:
         other = "torque" if word == "force" else "force"

@@ -36,6 +36,9 @@ def _own_lengths(element: Element) -> Iterator[Formula]:
         yield from element.constants.values()
         for drive in element.force.values():
             yield from _law_lengths(drive.free, drive.law)
+        lengths = set(element.translation_coordinates) - set(element.rotation_coordinates)
+        for name, limits in element.limits.items():
+            yield from limits.ends if name in lengths else ()
     elif isinstance(element, SpringDamper):
         yield from _law_lengths(element.free, element.law)
     elif isinstance(element, Bushing):

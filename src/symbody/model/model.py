@@ -13,7 +13,7 @@ from symbody.expr.language.formula import Formula
 from symbody.model.body import GROUND_FRAMES, Body
 from symbody.model.checks import physics
 from symbody.model.checks.signals import collect_signals
-from symbody.model.checks.structure import free_joints
+from symbody.model.checks.structure import collect_constraints, free_joints
 from symbody.model.checks.validation import Draft, check_draft
 from symbody.model.constraint import ConstraintElement
 from symbody.model.contacts.contact import Contact
@@ -88,8 +88,10 @@ class Model(Displayed):
         All initial values.
     held_initial : tuple of str
         Names of those that hold where loops are closed; the others are guesses.
-    bodies, joints, constraints : tuple of Body, of Joint, of Condition
+    bodies, joints : tuple of Body, of Joint
         Those among `elements`.
+    constraints : tuple of ConstraintElement
+        Those among `elements`, and the stops that rigid limits of joints and the rigid play of gears are.
     signals : tuple of Signal
         Those among `elements`, and those that blocks consist of, without held values.
     held_signals : tuple of Signal
@@ -184,7 +186,7 @@ class Model(Displayed):
             "held_initial": draft.initial.held,
             "bodies": draft.bodies,
             "joints": draft.joints,
-            "constraints": tuple(e for e in placed if is_constraint(e)),
+            "constraints": tuple(collect_constraints(placed)),
             "signals": tuple(s for s in signals if not s.is_held),
             "held_signals": tuple(s for s in signals if s.is_held),
             "tables": tuple(e for e in placed if isinstance(e, Lookup)),
@@ -208,7 +210,7 @@ class Model(Displayed):
     @property
     def output_scope(self) -> OutputScope:
         """What names of outputs refer to: elements, with joints of bodies without one, and frames."""
-        return make_scope((*self.elements, *self.free_joints), self.bodies, self.ground)
+        return make_scope((*self.elements, *self.free_joints, *self.constraints), self.bodies, self.ground)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -271,11 +273,6 @@ def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = Non
         Take the place of the model's values; what depends on them follows.
     """
     return resolve(model.parameters, overrides or {})
-
-
-def is_constraint(element: Element) -> bool:
-    """Return whether an element makes equations beside those of the joints: rigid contacts do, too."""
-    return isinstance(element, ConstraintElement) or (isinstance(element, Contact) and element.is_rigid)
 
 
 def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str] = ()) -> list[Problem]:

@@ -14,6 +14,7 @@ from typing import Final, Literal, TypeAlias
 from symbody.expr.graph import Graph
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
+from symbody.expr.printing.relation import Relation
 
 # An equation of more operations is written in shared parts with names, and folded where pages can fold.
 LONG: Final = 400
@@ -108,6 +109,8 @@ class EquationBlock:
         The acceleration that comes first in a left side.
     remarks : mapping of int to str
         What is said behind an equation, by its place.
+    relations : mapping of int to Relation
+        What stands between sides where that is no equality, by their place.
     """
 
     graph: Graph
@@ -115,6 +118,7 @@ class EquationBlock:
     numerals: Numerals = ALL_DIGITS
     leading: Mapping[int, int] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
+    relations: Mapping[int, Relation] = field(default_factory=dict)
 
     @property
     def nodes(self) -> tuple[int, ...]:

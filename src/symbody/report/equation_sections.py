@@ -211,7 +211,9 @@ def _equations(setting: Setting, section: EquationSection) -> Iterator[Block]:
     if _is_big(graph, section.nodes):
         yield Paragraph("Too large to print.")
     else:
-        yield EquationBlock(graph, section.sides, setting.numerals, section.leading, section.remarks)
+        yield EquationBlock(
+            graph, section.sides, setting.numerals, section.leading, section.remarks, section.relations
+        )
 
 
 def _is_big(graph: Graph, nodes: Sequence[int]) -> bool:

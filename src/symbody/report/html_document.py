@@ -186,7 +186,7 @@ def _equations(block: parts.EquationBlock) -> str:
         block.graph, block.nodes, parts.LONG, block.numerals, block.leading
     )
     remarks = [block.remarks.get(k, "") for k in range(len(block.sides))]
-    shown = equations_html(zip(texts[::2], texts[1::2], strict=True), remarks)
+    shown = equations_html(zip(texts[::2], texts[1::2], strict=True), remarks, block.relations)
     return _with_definitions(_with_source(shown, block.graph, block.nodes), named)
 
 

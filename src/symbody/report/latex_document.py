@@ -173,7 +173,8 @@ def equation_formulas(block: parts.EquationBlock, width: int = WIDTH) -> str:
     blocks = [sides]
     if named:
         blocks.append([(latex_name(name), text) for name, text in named])
-    return latex_equations_page(blocks, width)
+    signs = {k: relation.latex for k, relation in block.relations.items()}
+    return latex_equations_page(blocks, width, [signs])
 
 
 def matrix_formulas(block: parts.Matrix, width: int = WIDTH) -> tuple[str, str]:

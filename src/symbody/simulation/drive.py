@@ -1,9 +1,9 @@
 """`drive`: a motion piece by piece, from one step of an FMU to the next.
 
 At one instant, in this order: prescribed rates jump; events act; signals are sampled; FMUs take their
-steps; ropes strike; and modes are decided: which joints stick and which ropes are taut. Explicit methods do
-all but FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece at each
-sample and, beside modes, at each jump, action and end of a mode.
+steps; gaps close with impacts; modes are decided: which joints stick, which gaps are closed. Explicit
+methods do all but FMUs in the compiled loop, see `symbody.kernels.modes.switching_motion`; others end a piece
+at each sample and, beside modes, at each jump, action and end of a mode.
 """
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ class _MotionByPieces:
         self._pieces.add_energy(float(after[-1] - piece.run.stored["work"][-1]))
         self._pieces.leave_out(t, is_replaced=True)
         if self._modes is not None:
-            self._modes.check_ropes(t, after[:-1], piece.happened[-1].name)
+            self._modes.check_gaps(t, after[:-1], piece.happened[-1].name)
         return PieceStart(t, after[:-1], is_changed=True)
 
     def _check_chatter(self, t: float) -> None:

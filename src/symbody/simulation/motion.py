@@ -69,7 +69,7 @@ class Motion:
     sides : tuple of EventSide
         Where the values of events stood at the end of the motion that goes on here; empty where it begins.
     modes : SwitchingModes, optional
-        Decides which joints stick and which ropes are taut on the way.
+        Decides which joints stick and which gaps are closed on the way.
     first_modes : array, optional
         Those with which it begins, by default the present ones; see `begin_modes`.
     jumps : PlannedJumps

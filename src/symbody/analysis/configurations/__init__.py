@@ -1,1 +1,1 @@
-"""Configurations that fulfil the constraints: assembly, closed forms, ranges, ropes that pull."""
+"""Configurations that fulfil the constraints: assembly, closed forms, ranges, closed gaps."""

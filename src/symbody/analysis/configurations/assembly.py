@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state, state_of_plain
+from symbody.analysis.configurations.closed_gaps import assemble_with_gaps
 from symbody.analysis.configurations.kept_values import (
     do_values_fit,
     held_initial_values,
@@ -34,7 +35,6 @@ from symbody.analysis.configurations.ranges import (
     checked_ranges,
     clip_to_ranges,
 )
-from symbody.analysis.configurations.ropes import assemble_with_ropes
 from symbody.analysis.configurations.unsubstituted import substituted_state, with_followers
 from symbody.analysis.constraint_evaluator import (
     ConstraintEvaluator,
@@ -71,8 +71,9 @@ def assemble(
 ) -> State:
     """Return a state in which all constraints hold.
 
-    Ropes are made taut where the guess would stretch them beyond their length, and where their ends would
-    move apart although they are taut, unless fixed speeds demand that; shorter ropes are left alone.
+    Ropes are made taut where the guess would stretch them beyond their length, stops are closed where the
+    guess goes beyond them; speeds that would stretch a taut rope or go beyond a closed stop are changed,
+    unless they are fixed. Slack ropes and open stops are left alone.
 
     Parameters
     ----------
@@ -199,7 +200,7 @@ def _assemble(
     """Return a state in which all constraints hold, as `assemble`."""
     given = eqs, fixed, guess, parameters, inputs, t
     if unilateral_elements(eqs.formed):
-        return _assemble_ropes(*given, ranges, scales, signals)
+        return _assemble_with_gaps(*given, ranges, scales, signals)
     if not (ranges or signals.size):
         plain = _assemble_plain(*given, scales)
         if plain is not None:
@@ -207,7 +208,7 @@ def _assemble(
     return assemble_taut(*given, ranges, scales, signals=signals)
 
 
-def _assemble_ropes(
+def _assemble_with_gaps(
     eqs: EquationSet,
     fixed: Mapping[str, Value],
     guess: Mapping[str, Value],
@@ -218,7 +219,7 @@ def _assemble_ropes(
     scales: Mapping[str, float] | None,
     signals: Floats,
 ) -> State:
-    """Return a state in which no rope is longer than it is."""
+    """Return a state in which no gap of a rope or stop is negative."""
 
     def attempt(equations: EquationSet, values: Mapping[str, float]) -> State:
         return assemble_taut(equations, values, guess, parameters, inputs, t, ranges, scales, signals=signals)
@@ -227,7 +228,7 @@ def _assemble_ropes(
     exact = named_values(eqs, fixed, parameters, strict=set(fixed))
     values = dict(parameters or {}), dict(inputs or {})
     mechanism = mechanism_scales(eqs, values[0], scales, {**near, **exact})
-    return assemble_with_ropes(
+    return assemble_with_gaps(
         eqs, exact, near, attempt,
         lambda held: constraint_evaluator(held, *values, t, mechanism, signals=signals),
     )  # fmt: skip
@@ -278,7 +279,7 @@ def assemble_taut(
     *,
     signals: Floats | None = None,
 ) -> State:
-    """Return a state in which all constraints hold, those of ropes too; otherwise as `assemble`.
+    """Return a state in which all constraints hold, those of ropes and stops too; otherwise as `assemble`.
 
     `signals` are the states of signals, by default those of the model.
     """

@@ -55,7 +55,7 @@ def surplus_initial_values(
     """Return the first positions of the model if they are more than there are freedoms.
 
     They may fit all the same, as equal angles of a parallelogram do. Empty where a caller fixes or guesses
-    positions, or ropes are among the constraints.
+    positions, or ropes or stops are among the constraints.
     """
     freedoms, names = eqs.plans.get("kept initial values", partial(_initial_positions, eqs))
     if (

@@ -1,6 +1,6 @@
-"""`settle`: which ropes pull and which dry joints stick at a state, so that all that is assumed holds.
+"""`settle`: which gaps are closed and which dry joints stick at a state, so that all that is assumed holds.
 
-A rope at its length pulls, or its ends do not move apart; a joint at rest is held within its static limit, or
+A gap that is closed stays so by an effort, or opens; a joint at rest is held within its static limit, or
 slips in its direction; this is decided as in `simulate`. Whatever follows from its equations holds for small
 deviations, unless an element stands at the edge between two modes.
 """
@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.configurations.ropes import AT_LENGTH, slackness, with_taut
+from symbody.analysis.configurations.closed_gaps import AT_LENGTH, gap_shares, with_closed_gaps
+from symbody.analysis.configurations.gap_words import gap_words
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.modes.mode_decision import UNDECIDED, Opening, mode_numbers
 from symbody.analysis.modes.reduced_modes import ModeVerdict
@@ -31,18 +32,18 @@ from symbody.tolerances import AT_REST, BALANCED
 Floats = NDArray[np.float64]
 Modes = dict[str, int]
 
-_SLACK: Final = 2  # beside the modes of joints: sticking and the signs of slipping
-_TAUT: Final = 3
+_OPEN: Final = 2  # beside the modes of joints: sticking and the signs of slipping
+_CLOSED: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OneSidedState:
-    """The modes of ropes and dry joints at a state.
+    """The modes of ropes, stops and dry joints at a state.
 
     Attributes
     ----------
     eqs : EquationSet
-        With the constraints of ropes that pull and joints that stick.
+        With the constraints of closed gaps and joints that stick.
     state : State
         With their accelerations and multipliers.
     notes : tuple of str
@@ -58,9 +59,9 @@ class OneSidedState:
 
 
 def settle(eqs: EquationSet, state: State) -> OneSidedState:
-    """Return the modes of ropes and dry joints at a state of these equations."""
+    """Return the modes of ropes, stops and dry joints at a state of these equations."""
     search = _search(eqs, state)
-    if all(opening.is_decided and name not in search.ropes for name, opening in search.openings.items()):
+    if all(opening.is_decided and name not in search.gaps for name, opening in search.openings.items()):
         return OneSidedState(eqs, state)
     modes = search.decide()
     found = None if modes is None else search.state_in(modes)
@@ -69,7 +70,8 @@ def settle(eqs: EquationSet, state: State) -> OneSidedState:
     held = {name: search.mode_of(name, HOLDS) for name in search.openings if search.is_open(name)}
     kept = search.state_in(held) or OneSidedState(eqs, state)
     names = tuple(search.openings)
-    note = f"{', '.join(names)}: no combination of taut, slack, sticking and slipping holds at this state"
+    which = "closed and open gaps, sticking and slipping"
+    note = f"{', '.join(names)}: no combination of {which} holds at this state"
     return OneSidedState(kept.eqs, kept.state, (note,), names)
 
 
@@ -82,11 +84,11 @@ class _ModeSearch:
     q: Floats
     u: Floats
     length: float
-    ropes: frozenset[str]
+    gaps: Mapping[str, float]  # the sizes of those of ropes and stops
     openings: Mapping[str, Opening]
 
     def decide(self) -> Modes | None:
-        """Return the modes of ropes and of joints at rest, None where there are none."""
+        """Return the modes of ropes and stops and of joints at rest, None where there are none."""
         state = self.state
         evaluator = constraint_evaluator(
             self.eqs, state.parameters, state.inputs, state.t, signals=self._signals()
@@ -97,7 +99,7 @@ class _ModeSearch:
         if found.verdict is not ModeVerdict.ONE:
             return None
         modes = dict(zip(numbers.names, found.modes, strict=True))
-        chosen = [name for name in self.openings if name in self.ropes or self.is_open(name)]
+        chosen = [name for name in self.openings if name in self.gaps or self.is_open(name)]
         return {name: self.mode_of(name, modes.get(name, LOOSE)) for name in chosen}
 
     def is_open(self, name: str) -> bool:
@@ -106,8 +108,8 @@ class _ModeSearch:
 
     def mode_of(self, name: str, kernel_mode: int) -> int:
         """Return the mode of an element for one of `kernels.modes`."""
-        if name in self.ropes:
-            return _TAUT if kernel_mode == HOLDS else _SLACK
+        if name in self.gaps:
+            return _CLOSED if kernel_mode == HOLDS else _OPEN
         return kernel_mode
 
     def _signals(self) -> Floats:
@@ -131,7 +133,7 @@ class _ModeSearch:
         notes, edges = [], []
         for name, mode in modes.items():
             surplus, note = self._surplus(values[name], name, mode)
-            limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _TAUT) else
+            limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _CLOSED) else
                              scales[1] * self.unit(name))  # fmt: skip
             notes.append(note)
             if self.is_open(name) and abs(surplus) <= limit:
@@ -142,9 +144,8 @@ class _ModeSearch:
 
     def _equations(self, modes: Modes) -> EquationSet:
         """Return the equations in some modes."""
-        slack = [name for name in self.ropes if modes.get(name) != _TAUT]
-        held = with_taut(self.eqs, [name for name in self.ropes if name not in slack])
-        joints = {name: mode for name, mode in modes.items() if name not in self.ropes}
+        held = with_closed_gaps(self.eqs, [name for name in self.gaps if modes.get(name) == _CLOSED])
+        joints = {name: mode for name, mode in modes.items() if name not in self.gaps}
         if not joints:
             return held
         # Kept with the equations, as their code is: who linearizes looks at the same modes again.
@@ -168,17 +169,19 @@ class _ModeSearch:
         return deciding
 
     def _deciding_output(self, name: str, mode: int) -> str:
-        """Return the output whose value decides whether a rope or a joint that slips does."""
-        if mode in (_TAUT, _SLACK):
-            return f"opening_effort {name}" if mode == _TAUT else f"gap_ddot {name}"
+        """Return the output whose value decides whether a closed or open gap, or a joint that slips, does."""
+        if mode in (_CLOSED, _OPEN):
+            return f"opening_effort {name}" if mode == _CLOSED else f"gap_ddot {name}"
         return f"{self.coordinate(name)}_ddot"
 
     def _surplus(self, value: float, name: str, mode: int) -> tuple[float, str]:
         """Return a number that is positive where a mode holds, and the mode in a sentence."""
-        if mode == _TAUT:
-            return value, f"rope {name} is taut with {value + 0.0:.6g} N: it constrains small deviations"
-        if mode == _SLACK:
-            return value, f"rope {name} is slack: it constrains nothing"
+        if mode == _CLOSED:
+            words = gap_words(self.eqs, name)
+            return value, f"{words.with_effort(value)}: it constrains small deviations"
+        if mode == _OPEN:
+            words = gap_words(self.eqs, name)
+            return value, f"{words.subject} is {words.open}: it constrains nothing"
         if mode == STICKS:
             return value, (
                 f"joint {name} sticks, {value:.6g} below its static limit: it does not move, and every "
@@ -189,7 +192,9 @@ class _ModeSearch:
 
     def unit(self, name: str) -> float:
         """Return the size of displacements of an element: a length, or 1 for an angle."""
-        slides = name in self.ropes or self.eqs.units.get(self.coordinate(name)) == "m"
+        if name in self.gaps:
+            return self.gaps[name]
+        slides = self.eqs.units.get(self.coordinate(name)) == "m"
         return self.length if slides else 1.0
 
     def coordinate(self, joint: str) -> str:
@@ -197,7 +202,7 @@ class _ModeSearch:
         return next(law.coordinate for law in self.eqs.formed.friction if law.name == joint)
 
     def _element(self, name: str) -> str:
-        return f"rope {name}" if name in self.ropes else f"the friction of joint {name}"
+        return gap_words(self.eqs, name).subject if name in self.gaps else f"the friction of joint {name}"
 
     @staticmethod
     def _scales(evaluator: ConstraintEvaluator, state: State) -> tuple[float, float]:
@@ -211,21 +216,20 @@ class _ModeSearch:
 def _search(eqs: EquationSet, state: State) -> _ModeSearch:
     """Return the elements of a state, each with what its position and rate decide."""
     q, u = (np.array(list(values.values())) for values in (state.q, state.u))
-    cords, joints = unilateral_elements(eqs.formed), switching_joints(eqs.formed)
+    unilateral, joints = unilateral_elements(eqs.formed), switching_joints(eqs.formed)
     openings: dict[str, Opening] = {}
-    if not cords and not joints:
-        return _ModeSearch(eqs, state, q, u, 1.0, frozenset(), openings)
-    evaluator = constraint_evaluator(with_taut(eqs, ()), state.parameters, state.inputs, state.t)
+    if not unilateral and not joints:
+        return _ModeSearch(eqs, state, q, u, 1.0, {}, openings)
+    evaluator = constraint_evaluator(with_closed_gaps(eqs, ()), state.parameters, state.inputs, state.t)
     small = AT_REST * float(np.abs(u / evaluator.speed_sizes).max(initial=1.0 / evaluator.mechanism.time))
-    if cords:
+    sizes = {name: evaluator.mechanism.gap(evaluator.eqs, name) for name in unilateral}
+    if unilateral:
         rows = {row.gap for row in eqs.formed.rows}
-        for name, share in slackness(evaluator, q).items():
+        for name, share in gap_shares(evaluator, q).items():
             rate = float(evaluator.compile(f"gap_dot {name}")(evaluator.t, q, u))
-            at_length = (
-                name in rows and share <= AT_LENGTH and abs(rate) <= small * evaluator.mechanism.length
-            )
+            at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * sizes[name]
             openings[name] = UNDECIDED if at_length else Opening(LOOSE, is_decided=True)
-    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, frozenset(cords), openings)
+    search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, sizes, openings)
     for name in joints:
         rate = float(state[f"{search.coordinate(name)}_dot"])
         rests = abs(rate) <= small * search.unit(name)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from symbody.analysis.configurations.closed_gaps import gap_assumptions
 from symbody.analysis.configurations.distinct_positions import Formulas, distinct_solutions
-from symbody.analysis.configurations.ropes import rope_assumptions
 from symbody.analysis.scales import mechanism_scales
 from symbody.arguments import checked_arguments
 from symbody.equations.equation_set import EquationSet
@@ -45,7 +45,7 @@ class PositionSolutions:
     branches : tuple of mapping of coordinate to expression
         One for each way to assemble the mechanism.
     notes : tuple of str
-        Ropes that are taken as taut.
+        Ropes and stops that are taken as taut and closed.
 
     Examples
     --------
@@ -221,7 +221,7 @@ def solve_positions(
     names = [_name(item) for item in dependent]
     notes: tuple[str, ...] = ()
     if isinstance(constraints, EquationSet):
-        notes = rope_assumptions(constraints)
+        notes = gap_assumptions(constraints)
         model, graph = constraints.model, constraints.formed.graph
         rows = [row.value.index for row in constraints.formed.holonomic]
     else:

@@ -27,7 +27,7 @@ class PositionSolver:
     Attributes
     ----------
     evaluator : ConstraintEvaluator or None
-        None where ropes decide what is closed.
+        None where gaps decide what is closed.
     parameters : mapping of name to number or formula
         Take the place of the model's values.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
-from symbody.analysis.configurations.ropes import with_taut
+from symbody.analysis.configurations.closed_gaps import with_closed_gaps
 from symbody.analysis.constraint_evaluator import constraint_evaluator
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 def substituted_state(eqs: EquationSet, whole: State, scales: Mapping[str, float] | None) -> State:
     """Return a state of `closing_equations` in the equations that they close."""
     taut = unilateral_elements(whole.eqs.formed)
-    own = with_taut(eqs, taut) if len(taut) < len(unilateral_elements(eqs.formed)) else eqs
+    own = with_closed_gaps(eqs, taut) if len(taut) < len(unilateral_elements(eqs.formed)) else eqs
     mechanism = mechanism_scales(own, whole.parameters, scales, {**whole.q, **whole.u})
     signals = np.array([whole.s[name] for name in own.signal_state_names])
     evaluator = constraint_evaluator(own, whole.parameters, whole.inputs, whole.t, mechanism, signals=signals)

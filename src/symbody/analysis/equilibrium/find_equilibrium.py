@@ -14,8 +14,8 @@ from symbody.analysis.accelerations import complete_state
 from symbody.analysis.configurations.assembly import assemble
 from symbody.analysis.configurations.one_sided import settle
 from symbody.analysis.constraint_evaluator import STARTS, ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.equilibrium.closed_gap_search import Candidate, ClosedGapSearch
 from symbody.analysis.equilibrium.equilibrium_search import examine_neighbourhood
-from symbody.analysis.equilibrium.taut_search import Candidate, TautSearch
 from symbody.analysis.held_inputs import refuse_held
 from symbody.analysis.linear.linearization import Linearization
 from symbody.analysis.linear.linearize import linearize
@@ -79,7 +79,7 @@ class Equilibrium(State):
 
         "critical" where the stiffness vanishes along a direction without further equilibria: terms of
         higher order decide, unless something else grows. "undecided" where there are no linear equations:
-        where branches cross, or an element may be either slack or taut.
+        where branches cross, or a gap is closed without effort.
         """
         if self._doubt == "undecided":
             return self._doubt
@@ -107,7 +107,8 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Return the equilibrium nearest to a guess, with others found as its ``branches``.
 
-    Ropes pull or are slack, as the equilibrium requires: none pushes, and none is stretched. The
+    Ropes pull or are slack and stops are closed or open, as the equilibrium requires: no rope pushes or is
+    stretched, no stop pulls or has a negative gap. A note says what each does, and with which effort. The
     states of signals are those whose rates vanish.
 
     Parameters
@@ -165,7 +166,7 @@ def find_equilibrium(
         eqs, dict(parameters or {}), dict(inputs or {}), t, mechanism,
         signals=np.array(list(first.s.values()), dtype=np.float64),
     )  # fmt: skip
-    searches = TautSearch(evaluator, tuple(unknowns), np.array(list(first.q.values())), held)
+    searches = ClosedGapSearch(evaluator, tuple(unknowns), np.array(list(first.q.values())), held)
     searches.nearest_set().check_at_rest()
     try:
         candidates = _distinct_equilibria(evaluator, searches)
@@ -200,7 +201,7 @@ def _check(eqs: EquationSet, unknowns: Sequence[str], fixed: Iterable[str]) -> N
         raise AssemblyError(*problems)
 
 
-def _distinct_equilibria(evaluator: ConstraintEvaluator, searches: TautSearch) -> list[Candidate]:
+def _distinct_equilibria(evaluator: ConstraintEvaluator, searches: ClosedGapSearch) -> list[Candidate]:
     """Return different equilibria, the nearest first.
 
     Raises
@@ -300,7 +301,7 @@ def _state(candidate: Candidate, unknowns: Sequence[str]) -> Equilibrium:
     return _equilibrium(state, notes, "undecided" if edges else further.doubt)
 
 
-def _friction_equilibrium(searches: TautSearch) -> Equilibrium | None:
+def _friction_equilibrium(searches: ClosedGapSearch) -> Equilibrium | None:
     """Return the guess as an equilibrium if dry joints hold it there; None if they do not."""
     search = searches.nearest_set()
     evaluator, eqs = search.evaluator, search.evaluator.eqs

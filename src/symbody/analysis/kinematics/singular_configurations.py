@@ -311,7 +311,7 @@ class _Search:
         k = eqs.coordinate_names.index(self.along)
         value, near = point.q[k], SAME_POSITION * self.mechanism.sizes[k]
         inside = self.ends[0] - near <= value <= self.ends[1] + near
-        if not inside or self.ratios.ropes_out_of_place(point.q):
+        if not inside or self.ratios.gaps_out_of_place(point.q):
             return
         kept, block = self._blocks(point.q)
         ranks = [

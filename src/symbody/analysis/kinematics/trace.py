@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import assemble
-from symbody.analysis.configurations.ropes import LOOSE, equations_with_ropes, slackness
+from symbody.analysis.configurations.closed_gaps import LOOSE, equations_with_closed_gaps, gap_shares
+from symbody.analysis.configurations.gap_words import gap_words
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, Law, continuation
 from symbody.analysis.kinematics.driven import element_of
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_EXACT: Final = 1e-10  # of the path: where on it a rope is at its length
+_EXACT: Final = 1e-10  # of the path: where on it a gap closes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,9 +46,9 @@ class Positions:
     limits : mapping of coordinate to float
         Empty if all values were reached; else the values of the driven coordinates at the dead end.
     joint : str
-        The joint that moves fastest at the dead end; empty if there is none, or a rope ends the path.
+        The joint that moves fastest at the dead end; empty if there is none, or a rope or stop ends the path.
     notes : tuple of str
-        The reason for the dead end, and the ropes that are taken as taut.
+        The reason for the dead end, and the ropes and stops that are taken as taut and closed.
     followers : mapping of coordinate to (N,) array
         Coordinates that couplings give, where they are substituted.
 
@@ -183,7 +184,7 @@ def trace_positions(
     start = {name: float(x[0]) for name, x in values.items()}
     state = assemble(eqs, start, guess, parameters=parameters, inputs=None, t=t, scales=scales)
     q = np.array(list(state.q.values()))
-    held, notes = equations_with_ropes(eqs, q, values_given, t)
+    held, notes = equations_with_closed_gaps(eqs, q, values_given, t)
     if held is not eqs:
         driven = continuation(held, {}, _laws(values), values_given, lambda _: t)
     farthest = {name: float(np.abs(x).max()) for name, x in values.items()}
@@ -191,22 +192,22 @@ def trace_positions(
     closer = (driven := driven.rescale(mechanism)).correct(0.0, q)
     q = q if closer is None else closer
     check_driven(driven, 0.0, q, notes)
-    loose = _SlackRopes(driven, constraint_evaluator(held, values_given, {}, t, mechanism) if notes else None)
+    loose = _OpenGaps(driven, constraint_evaluator(held, values_given, {}, t, mechanism) if notes else None)
     positions = _lead(driven, loose, values, q, notes)
     return replace(positions, followers=_followers(eqs, positions.q, values_given))
 
 
 def _lead(
-    driven: Continuation, loose: _SlackRopes, values: Mapping[str, Floats], q: Floats, notes: tuple[str, ...]
+    driven: Continuation, loose: _OpenGaps, values: Mapping[str, Floats], q: Floats, notes: tuple[str, ...]
 ) -> Positions:
     """Return the positions from q on, each found from the one before."""
     columns, reached = [q], 0.0
     for k in range(1, len(next(iter(values.values())))):
         before = q
         reached, q = driven.follow(float(k - 1), q, float(k))
-        rope, place, at = loose.first_taut(float(k - 1), before, reached, q)
-        if rope or reached != k:
-            return _stop_at_limit(driven, values, np.array(columns).T, place, at, rope, notes)
+        element, place, at = loose.first_closed(float(k - 1), before, reached, q)
+        if element or reached != k:
+            return _stop_at_limit(driven, values, np.array(columns).T, place, at, element, notes)
         columns.append(q)
     return Positions(driven.eqs.coordinate_names, np.array(columns).T, values, {}, notes=notes)
 
@@ -224,34 +225,34 @@ def _followers(eqs: EquationSet, q: Floats, parameters: Mapping[str, Value]) -> 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _SlackRopes:
-    """The ropes that are slack on a path; `evaluator` measures them, and is None where there are none."""
+class _OpenGaps:
+    """The gaps that are open on a path; `evaluator` measures them, and is None where there are none."""
 
     driven: Continuation
     evaluator: ConstraintEvaluator | None
 
-    def first_taut(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
-        """Return the rope that is at its length first, and where on the path; else no name, and its end."""
-        if self.evaluator is None or self._least_slack(q)[1] >= -LOOSE:
+    def first_closed(self, start: float, before: Floats, stop: float, q: Floats) -> tuple[str, float, Floats]:
+        """Return the element whose gap closes first, and where on the path; else no name, and its end."""
+        if self.evaluator is None or self._least_gap(q)[1] >= -LOOSE:
             return "", stop, q
         low, high = start, stop
         while high - low > _EXACT * max(1.0, abs(high)):
             middle = (low + high) / 2.0
             place, at = self.driven.follow(start, before, middle)
-            if place == middle and self._least_slack(at)[1] >= 0.0:
+            if place == middle and self._least_gap(at)[1] >= 0.0:
                 low = middle
             else:
                 high = middle
-        return self._least_slack(q)[0], low, self.driven.follow(start, before, low)[1]
+        return self._least_gap(q)[0], low, self.driven.follow(start, before, low)[1]
 
-    def _least_slack(self, q: Floats) -> tuple[str, float]:
-        """Return the rope with the least slack, and this over its length."""
+    def _least_gap(self, q: Floats) -> tuple[str, float]:
+        """Return the element with the least gap, and this over its size."""
         assert self.evaluator is not None
-        return min(slackness(self.evaluator, q).items(), key=lambda pair: pair[1])
+        return min(gap_shares(self.evaluator, q).items(), key=lambda pair: pair[1])
 
 
 def check_driven(driven: Continuation, s: float, q: Floats, notes: tuple[str, ...] = ()) -> None:
-    """Refuse driven coordinates that leave freedoms, with notes on the ropes that are slack.
+    """Refuse driven coordinates that leave freedoms, with notes on gaps that are open.
 
     Raises
     ------
@@ -278,16 +279,18 @@ def _stop_at_limit(
     q: Floats,
     s: float,
     last: Floats,
-    rope: str,
+    element: str,
     notes: tuple[str, ...],
 ) -> Positions:
     """Return the positions up to a dead end, which is the last column."""
     limits = driven.driven_values(s)
-    joint = "" if rope else driven.blocking_joint(s, last)
+    joint = "" if element else driven.blocking_joint(s, last)
     reached = ", ".join(f"{name} = {value:.9g}" for name, value in limits.items())
-    element = f"rope {rope}" if rope else element_of(driven.eqs, joint)
-    why = "the rope would have to be longer" if rope else "the driven coordinate has a limit there"
-    note = f"{element}: the mechanism cannot move beyond {reached}; {why}"
+    subject, why = element_of(driven.eqs, joint), "the driven coordinate has a limit there"
+    if element:
+        words = gap_words(driven.eqs, element)
+        subject, why = words.subject, words.impossible
+    note = f"{subject}: the mechanism cannot move beyond {reached}; {why}"
     done = {name: np.append(x[: q.shape[1]], limits[name]) for name, x in values.items()}
     return Positions(
         driven.eqs.coordinate_names, np.column_stack([q, last]), done, limits, joint, (*notes, note)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.configurations.assembly import assemble, assemble_taut
-from symbody.analysis.configurations.ropes import equations_with_ropes, ropes_out_of_place
+from symbody.analysis.configurations.closed_gaps import equations_with_closed_gaps, gaps_out_of_place
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.kinematics.continuation import Continuation, continuation
 from symbody.analysis.kinematics.driven import element_of
@@ -88,8 +88,8 @@ class VelocityRatios:
     notes: tuple[str, ...]
     _mechanism: Continuation = field(repr=False)
     _parameters: Mapping[str, Value] = field(repr=False)
-    # Measures ropes; None where there are none.
-    _ropes: ConstraintEvaluator | None = field(default=None, repr=False)
+    # Measures the gaps of ropes and stops; None where there are none.
+    _gaps: ConstraintEvaluator | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         ratios = f"{', '.join(self.dependent) or 'none'} by {', '.join(self.independent)}"
@@ -249,33 +249,33 @@ class VelocityRatios:
     def _state(self, state: State | Mapping[str, Value]) -> State:
         if isinstance(state, State):
             return state
-        complete = assemble if self._ropes is None else assemble_taut
+        complete = assemble if self._gaps is None else assemble_taut
         return complete(self.eqs, state, None, parameters=self._parameters)
 
-    def ropes_out_of_place(self, q: Floats) -> str:
-        """Return a sentence on the ropes that are not as the ratios assume; empty if all are."""
-        return "" if self._ropes is None else ropes_out_of_place(self.eqs, self._ropes, q)
+    def gaps_out_of_place(self, q: Floats) -> str:
+        """Return a sentence on the ropes and stops that are not as the ratios assume; empty if all are."""
+        return "" if self._gaps is None else gaps_out_of_place(self.eqs, self._gaps, q)
 
-    def _check_ropes(self, q: Floats) -> None:
-        """Refuse a position at which other ropes are taut than those of the equations.
+    def _check_gaps(self, q: Floats) -> None:
+        """Refuse a position at which other gaps are closed than those of the equations.
 
         Raises
         ------
         SimulationError
-            Naming the ropes.
+            Naming the ropes and stops.
         """
-        wrong = self.ropes_out_of_place(q)
+        wrong = self.gaps_out_of_place(q)
         if wrong:
             raise SimulationError(
                 Problem("kinematics.rope", f"speeds {', '.join(self.independent)}",
                         f"{wrong}: the ratios do not hold in this state",
-                        "they hold for the ropes that are taut where they were formed",
+                        "they hold for the gaps that are closed where they were formed",
                         "form the ratios with at= a state like this one")
             )  # fmt: skip
 
     def _tau(self, t: float, q: Floats) -> Floats:
         mechanism = self._mechanism
-        self._check_ropes(q)
+        self._check_gaps(q)
         jacobian = mechanism.rows(t, q, np.zeros(mechanism.speed_sizes.size))[0]
         basis = mechanism.freedoms(jacobian)
         places, others = self._places(self.independent), self._places(self.dependent)
@@ -384,7 +384,7 @@ def velocity_ratios(
     state = at or assemble(eqs, None, None, parameters=parameters, scales=scales)
     mechanism_sizes = mechanism_scales(eqs, values, scales, state.q)
     q = np.array(list(state.q.values()))
-    eqs, notes = equations_with_ropes(eqs, q, values, state.t)
+    eqs, notes = equations_with_closed_gaps(eqs, q, values, state.t)
     mechanism = continuation(eqs, {}, {}, values).rescale(mechanism_sizes)
     freedoms = redundancy(eqs, values, dict(state.q), scales=scales) if eqs.multiplier_names else None
     rows = () if freedoms is None else freedoms.kept

@@ -13,8 +13,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.analysis.configurations.closed_gaps import with_closed_gaps
 from symbody.analysis.configurations.positions import PositionSolver
-from symbody.analysis.configurations.ropes import with_taut
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.builder.page_problems import page_problem, page_problems
 from symbody.builder.task_failure import Report, TaskFailure
@@ -45,7 +45,7 @@ class Grip:
     Attributes
     ----------
     task : ConstraintEvaluator
-        Without the ropes: which of them are taut is for assembly to say.
+        Without ropes and stops: which gaps are closed is for assembly to say.
     """
 
     solver: PositionSolver
@@ -199,7 +199,7 @@ def _grip(data: Data, folder: str, body: str) -> Grip:
         raise TaskFailure([page_problem(_unknown(body), data)])
     solver = solver_of(data, folder, model)
     return Grip(
-        solver, solver.evaluator or constraint_evaluator(with_taut(solver.eqs, ()), {}, {}, 0.0), body
+        solver, solver.evaluator or constraint_evaluator(with_closed_gaps(solver.eqs, ()), {}, {}, 0.0), body
     )
 
 

@@ -200,7 +200,7 @@ def _section_block(section: EquationSection, spans: tuple[Mapping[int, str], ...
     left, right = (tuple(pair[k] for pair in section.sides) for k in (0, 1))
     return FormulaBlock(
         section.title.heading, right, left, output=_CODE.get(section.key, ""), spans=spans,
-        leading=section.leading, remarks=section.remarks,
+        leading=section.leading, remarks=section.remarks, relations=section.relations,
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from symbody.expr.printing.latex import to_latex_with_definitions
 from symbody.expr.printing.mathml import to_mathml_with_definitions
 from symbody.expr.printing.mathml_tables import terms_of
 from symbody.expr.printing.numerals import ALL_DIGITS, Numerals
+from symbody.expr.printing.relation import Relation
 from symbody.expr.rewrite import operation_count, tree_sizes
 from symbody.expr.sympy.sympy_bridge import to_sympy
 
@@ -60,6 +61,8 @@ class FormulaBlock:
         The acceleration that comes first in a left side.
     remarks : mapping of int to str
         What is said behind an equation, by its place.
+    relations : mapping of int to Relation
+        What stands between sides where that is no equality, by their place.
     """
 
     title: str
@@ -73,6 +76,7 @@ class FormulaBlock:
     numerals: Numerals = ALL_DIGITS
     leading: Mapping[int, int] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
+    relations: Mapping[int, Relation] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +163,9 @@ def _latex(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str:
         sides = [(_side(label, written, "latex"), right) for label, right in _pairs(block, written)]
         text = ""
     sides += named
-    lines = " \\\\\n".join(f"{left} &= {right}" for left, right in sides)
+    signs = [block.relations.get(k, Relation.EQUAL).latex for k in range(len(sides))]
+    pieces = (f"{left} &{sign} {right}" for sign, (left, right) in zip(signs, sides, strict=True))
+    lines = " \\\\\n".join(pieces)
     aligned = f"\\begin{{aligned}}\n{lines}\n\\end{{aligned}}" if sides else ""
     return "\n\n".join(part for part in (text, aligned) if part)
 
@@ -179,7 +185,7 @@ def _mathml(graph: Graph, block: FormulaBlock, nodes: Sequence[int], latex: str)
             for spans, (left, right) in zip(block.spans, sides, strict=True)
         ]
     remarks = [block.remarks.get(k, "") for k in range(len(sides))]
-    return equations_html([*sides, *named], remarks)
+    return equations_html([*sides, *named], remarks, block.relations)
 
 
 def _sympy(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str | None:
@@ -196,9 +202,10 @@ def _sympy(graph: Graph, block: FormulaBlock, nodes: Sequence[int]) -> str | Non
         listed = ", ".join("[" + ", ".join(written[node] for node in row) + "]" for row in rows)
         return f"{block.name.text} = Matrix([{listed}])"
     lines = []
-    for label, node in zip(block.labels, block.nodes, strict=True):
+    for k, (label, node) in enumerate(zip(block.labels, block.nodes, strict=True)):
         if isinstance(label, int):
-            lines.append(f"Eq({written[label]}, {written[node]})")
+            relation = block.relations.get(k, Relation.EQUAL)
+            lines.append(f"{relation.sympy}({written[label]}, {written[node]})")
         else:
             lines.append(f"{label.text} = {written[node]}")
     return "\n".join(lines)

@@ -42,7 +42,8 @@ def joint_roles(topology: Topology) -> tuple[JointRole, ...]:
 
 def names_read(model: Model) -> set[str]:
     """Return the names that the formulas of forces, springs and constraints contain."""
-    roles = (role for element in model.elements for role in element.formula_sites())
+    elements = (*model.elements, *model.constraints)  # those that joints and gears stand for too
+    roles = (role for element in elements for role in element.formula_sites())
     reading = (Scope.LOAD, Scope.MOTION, Scope.COORDINATE)
     return {name for role in roles if role.scope in reading for name in role.formula.names}
 
@@ -61,7 +62,9 @@ def _spring_angles(topology: Topology) -> set[str]:
 def is_read(role: JointRole, read: AbstractSet[str]) -> bool:
     """Return whether forces need a measured coordinate of a joint, or its rate."""
     measured = set(role.joint.coordinates).difference(role.coordinates)
-    if role.joint.friction is not None or not measured.isdisjoint({*role.joint.drives, *role.joint.armature}):
+    if role.joint.friction is not None or not measured.isdisjoint(
+        {*role.joint.loaded_coordinates, *role.joint.armature}
+    ):
         return bool(measured)
     return any(name in read or f"{name}_dot" in read for name in measured)
 
@@ -74,7 +77,7 @@ def _needs_angles(joint: Joint, read: AbstractSet[str]) -> bool:
     """
     angles = joint.rotation_coordinates
     driven = [joint.drives[name] for name in angles if name in joint.drives]
-    if any(name in joint.motions or name in read for name in angles):
+    if any(name in joint.motions or name in joint.limits or name in read for name in angles):
         return True
     if len(angles) == 1:
         return any(drive.reads_coordinate for drive in driven)

@@ -26,6 +26,7 @@ from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.kinematics.variables import JointRole
 from symbody.equations.loads.friction import FrictionLaw
+from symbody.equations.loads.limits import limit_law
 from symbody.equations.loads.springs import law_value
 from symbody.expr.expression import Expr, number
 from symbody.model.class_folders import module_names
@@ -50,7 +51,7 @@ class Loads:
     power : Expr
         Of everything else [W].
     efforts : mapping of joint or spring to Expr
-        Applied + spring + damper along the positive coordinate; "joint coordinate" where several.
+        Applied + spring + damper + limits along the positive coordinate; "joint coordinate" where several.
     without_potential : tuple of Load
         What the loads do beside the potential energy.
     measures : mapping of output to Expr
@@ -92,16 +93,15 @@ def form_loads(
     laws = _weights(model, names, kinematics, bodies) if weights else []
     efforts: dict[str, Expr] = {}
     for role in roles:
-        for coordinate, drive in role.joint.drives.items():
+        for coordinate in role.joint.loaded_coordinates:
             if coordinate in role.prescribed_coordinates:
                 continue
-            x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
-            drive_law = _drive_law(names, drive, x, rate, coordinate, f"joint {role.joint.name}")
-            key = effort_name(role.joint, coordinate)
-            efforts.update(
-                (key, load.effort) for load in drive_law.loads if isinstance(load, GeneralizedForce)
-            )
-            laws.append(drive_law)
+            acting = _laws_along(names, role.joint, coordinate)
+            total = zero
+            for load in (load for law in acting for load in law.loads):
+                total = total + load.effort if isinstance(load, GeneralizedForce) else total
+            efforts[role.joint.effort_name(coordinate)] = total
+            laws += acting
     laws += [Law(rubbing.loads, zero, rubbing.effort * rubbing.rate) for rubbing in friction]
     for element in model.elements:
         law = load_law(element, names, kinematics, roles)
@@ -130,9 +130,15 @@ def _register_laws() -> None:
         import_module(f"{_FOLDER}.{file}")
 
 
-def effort_name(joint: Joint, coordinate: str) -> str:
-    """Return the name of the effort along a coordinate: the joint, and the coordinate if it has several."""
-    return f"{joint.name} {coordinate}" if len(joint.coordinates) > 1 else joint.name
+def _laws_along(names: Names, joint: Joint, coordinate: str) -> list[Law]:
+    """Return what drive and compliant limits of a joint do along a coordinate."""
+    where, laws = f"joint {joint.name}", []
+    if coordinate in joint.drives:
+        x, rate = names.value(coordinate), names.value(f"{coordinate}_dot")
+        laws.append(_drive_law(names, joint.drives[coordinate], x, rate, coordinate, where))
+    if coordinate in joint.compliant_limits:
+        laws.append(limit_law(names, joint.compliant_limits[coordinate], coordinate, where))
+    return laws
 
 
 def _weights(model: Model, names: Names, kinematics: Kinematics, bodies: Sequence[Inertia]) -> list[Law]:

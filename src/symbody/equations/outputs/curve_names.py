@@ -11,7 +11,6 @@ from numbers import Real
 from typing import Any
 
 from symbody.equations.loads.curves import piecewise_value
-from symbody.equations.loads.loads import effort_name
 from symbody.expr.canonical import neg
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Graph
@@ -106,7 +105,7 @@ def _curves(model: Model) -> Iterator[tuple[str, Curve]]:
     for joint in model.joints:
         for coordinate, drive in joint.drives.items():
             if isinstance(drive.law, Curve):
-                yield effort_name(joint, coordinate), drive.law
+                yield joint.effort_name(coordinate), drive.law
     for element in model.elements:
         if isinstance(element, SpringDamper | TorsionSpring) and isinstance(element.law, Curve):
             yield element.name, element.law

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 from symbody.equations.outputs.equation_sections import EquationSection, equation_sections, numerals_of
@@ -22,16 +22,19 @@ _NAME: Final = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True, slots=True)
 class WrittenSection:
-    """Equations ``left = right`` under a title, as text."""
+    """Equations ``left = right`` under a title, as text; `signs` are those that are not ``=``."""
 
     title: str
     sides: _Sides
     note: str = ""
+    signs: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def lines(self) -> list[str]:
         """One line an equation."""
-        return [f"{left} = {right}" for left, right in self.sides] or [self.note]
+        signs = self.signs
+        rows = [f"{left} {signs.get(k, '=')} {right}" for k, (left, right) in enumerate(self.sides)]
+        return rows or [self.note]
 
 
 def equation_lines(
@@ -68,7 +71,7 @@ def equation_latex(
     r"""Return the equations as one ``aligned`` environment, broken into rows of about `width` letters."""
     sections = written_sections(textbook, True, limit, digits)
     blocks = [section.sides or [(_latex_words(section.note), "")] for section in sections]
-    return latex_equations_page(blocks, width)
+    return latex_equations_page(blocks, width, [section.signs for section in sections])
 
 
 def written_sections(
@@ -96,7 +99,8 @@ def _write(section: EquationSection, pairs: Iterator[tuple[str, str]], latex: bo
         sides[k] = left, rf"{right} \quad {_latex_words(f'({remark})')}" if latex else f"{right} ({remark})"
     for name, text in section.words:
         sides.append((latex_name(name), _latex_words(text)) if latex else (name, text))
-    return WrittenSection(section.title.word, sides, section.note)
+    signs = {k: each.latex if latex else each.value for k, each in section.relations.items()}
+    return WrittenSection(section.title.word, sides, section.note, signs)
 
 
 def _latex_words(text: str) -> str:

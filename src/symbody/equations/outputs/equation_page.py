@@ -67,4 +67,4 @@ def _section(section: EquationSection, pairs: Iterator[tuple[str, str]]) -> str:
     sides = [next(pairs) for _ in section.sides]
     remarks = [section.remarks.get(k, "") for k in range(len(sides))]
     words = ((mathml_name(name), f"<mtext>{escape(text)}</mtext>") for name, text in section.words)
-    return equations_html([*sides, *words], remarks)
+    return equations_html([*sides, *words], remarks, section.relations)

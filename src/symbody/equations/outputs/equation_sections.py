@@ -11,12 +11,14 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.textbook import Textbook
 from symbody.expr.canonical import ZERO, add, sub
 from symbody.expr.graph import Graph, SymbolKind
 from symbody.expr.opcodes import ADD, LEAVES, NEG, SUB, SYMBOL
 from symbody.expr.printing.numerals import ALL_DIGITS, Numerals, written_numbers
+from symbody.expr.printing.relation import Relation
 from symbody.expr.rewrite import dependence, tree_sizes
 from symbody.model.model import Model
 from symbody.model.signals.signal import Signal
@@ -45,6 +47,13 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
     }
 )
 _IDENTICAL: Final = "holds identically"
+# By the sense of a row: the left side of a stop is never negative, that of a rope never positive.
+_ONE_SIDED: Final = MappingProxyType(
+    {
+        1: "0 while the gap is closed; else {} is 0",
+        -1: "0 while the rope is taut; else {} is 0",
+    }
+)
 _UNRESISTED: Final = "{} has no inertia, and no force acts on it"
 _SLIPS: Final = "while it slips; at rest it holds up to this magnitude"
 _NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
@@ -64,6 +73,8 @@ class EquationSection:
         The acceleration that comes first in the left side of each equation of motion.
     remarks : mapping of int to str
         What is said behind equations, by their place: why one reads ``0 = 0``, when one applies.
+    relations : mapping of int to Relation
+        What stands between the sides where that is no equality, by their place.
     words : tuple of (str, str)
         Names and what they stand for in words, where that is no formula.
     note : str
@@ -74,6 +85,7 @@ class EquationSection:
     sides: tuple[tuple[int, int], ...] = ()
     leading: Mapping[int, int] = field(default_factory=dict)
     remarks: Mapping[int, str] = field(default_factory=dict)
+    relations: Mapping[int, Relation] = field(default_factory=dict)
     words: tuple[tuple[str, str], ...] = ()
     note: str = ""
 
@@ -137,7 +149,8 @@ def constraint_sections(textbook: Textbook) -> list[EquationSection]:
     """Return the constraints on positions, and those on velocities alone: one equation a multiplier."""
     positions = textbook.display("constraints").nodes
     velocities = textbook.display("velocity_constraints").nodes[len(positions) :]
-    return [_constraints("positions", positions), _constraints("velocities", velocities)]
+    rows = textbook.formed.holonomic
+    return [_constraints("positions", positions, rows), _constraints("velocities", velocities)]
 
 
 def friction_section(textbook: Textbook) -> EquationSection:
@@ -156,9 +169,12 @@ def _at_rest(law: FrictionLaw) -> str:
     return f"{_SLIPS}{''.join(exchanged)}"
 
 
-def _constraints(key: str, nodes: Sequence[int]) -> EquationSection:
-    remarks = {k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}
-    return EquationSection(key, tuple((node, ZERO) for node in nodes), remarks=remarks)
+def _constraints(key: str, nodes: Sequence[int], rows: Sequence[ConstraintEquation] = ()) -> EquationSection:
+    remarks = {k: _ONE_SIDED[row.sense].format(row.name) for k, row in enumerate(rows) if row.sense}
+    remarks |= {k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}
+    signs = {1: Relation.AT_LEAST, -1: Relation.AT_MOST}
+    relations = {k: signs[row.sense] for k, row in enumerate(rows) if row.sense}
+    return EquationSection(key, tuple((node, ZERO) for node in nodes), remarks=remarks, relations=relations)
 
 
 def _sample_words(signal: Signal) -> tuple[str, str]:

@@ -8,7 +8,6 @@ from symbody.equations.dynamics.balance import NO_WRENCH, Wrench
 from symbody.equations.dynamics.reactions import effort_on_coordinate, reaction
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.variables import JointRole
-from symbody.equations.loads.loads import effort_name
 from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
@@ -106,7 +105,7 @@ def effort_output(formed: EquationsOfMotion, words: Sequence[str]) -> tuple[tupl
         return (), [_holding_effort(formed, *found[name])]
     effort = formed.loads.efforts.get(name, Expr(formed.graph, 0))
     for row in formed.rows:
-        if row.coordinate and effort_name(formed.topology.joint(row.element), row.coordinate) == name:
+        if row.coordinate and formed.topology.joint(row.element).effort_name(row.coordinate) == name:
             effort = effort + symbol(formed.graph, Symbol(row.name, SymbolKind.MULTIPLIER))
     return (), [effort]
 
@@ -116,7 +115,7 @@ def effort_names(formed: EquationsOfMotion) -> tuple[str, ...]:
     names = [*formed.loads.efforts, *(name for name, _ in _prescribed_coordinates(formed))]
     for row in formed.rows:
         if row.coordinate:
-            names.append(effort_name(formed.topology.joint(row.element), row.coordinate))
+            names.append(formed.topology.joint(row.element).effort_name(row.coordinate))
     return tuple(dict.fromkeys(names))
 
 
@@ -141,7 +140,7 @@ def _prescribed_coordinates(formed: EquationsOfMotion) -> Iterator[tuple[str, tu
     """Return the prescribed coordinates by the name of their effort."""
     for role in formed.joint_roles:
         for coordinate in role.prescribed_coordinates:
-            yield effort_name(role.joint, coordinate), (role, coordinate)
+            yield role.joint.effort_name(coordinate), (role, coordinate)
 
 
 def _holding_effort(

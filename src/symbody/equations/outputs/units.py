@@ -11,8 +11,9 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.outputs.dimensions import expression_unit
 from symbody.expr.language.formula import Formula
 from symbody.expr.language.literals import fold
-from symbody.model.constraints import Stop
+from symbody.model.constraints import Gear, Stop
 from symbody.model.joint import Joint
+from symbody.model.loads.gap_laws import GapLaw
 from symbody.model.model import Model
 from symbody.model.output_names import FRAME_OUTPUT, MOTION_UNITS, kind_of, list_outputs, parse_derivative
 
@@ -169,12 +170,31 @@ def _sites(model: Model) -> Iterator[tuple[Formula, str]]:
     for sites in (*frames, *(element.formula_sites() for element in model.elements)):
         yield from ((site.formula, site.unit) for site in sites if site.unit and "," not in site.unit)
     for joint in model.joints:
-        slides = set(joint.translation_coordinates)
-        turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
-        for path, coordinate, drive in joint.drives_with_paths():
-            if coordinate in slides | turns:
-                for site in drive.formula_sites(path):
-                    yield site.formula, site.unit.split(", ")[coordinate not in slides]
-        for coordinate, motion in joint.motion.items():
-            if coordinate in slides | turns:
-                yield motion, "m" if coordinate in slides else "rad"
+        yield from _sites_along(joint)
+    for gear in (element for element in model.elements if isinstance(element, Gear)):
+        if gear.backlash is not None:
+            yield from _law_sites(gear.backlash, "backlash", turns=True)
+
+
+def _sites_along(joint: Joint) -> Iterator[tuple[Formula, str]]:
+    """Yield the formulas of drives, limits and motions along coordinates."""
+    slides = set(joint.translation_coordinates)
+    turns = set(joint.rotation_coordinates if joint.quaternion is None else ())
+    for path, coordinate, drive in joint.drives_with_paths():
+        if coordinate in slides | turns:
+            for site in drive.formula_sites(path):
+                yield site.formula, site.unit.split(", ")[coordinate not in slides]
+    for path, coordinate, limits in joint.limits_with_paths():
+        if coordinate in slides | turns:
+            yield from _law_sites(limits, path, coordinate not in slides)
+    for coordinate, motion in joint.motion.items():
+        if coordinate in slides | turns:
+            yield motion, "m" if coordinate in slides else "rad"
+
+
+def _law_sites(law: GapLaw, path: str, turns: bool) -> Iterator[tuple[Formula, str]]:
+    """Yield the formulas of limits or of a backlash with their units; a stiffness has one in a linear law."""
+    is_linear = law.normal.exponent.constant() == 1 if not law.rigid else False
+    for site in law.formula_sites(path):
+        if "," in site.unit and (is_linear or not site.path.endswith("stiffness")):
+            yield site.formula, site.unit.split(", ")[turns]

@@ -20,7 +20,6 @@ from symbody.equations.dynamics.balance import Wrench
 from symbody.equations.elimination.coupling_multipliers import coupling_multipliers
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
-from symbody.equations.loads.loads import effort_name
 from symbody.equations.measured_wrenches import static_wrenches
 from symbody.equations.outputs.joint_outputs import prescribed_efforts, reaction_entries
 from symbody.expr.calculus import jacobian
@@ -219,7 +218,7 @@ def _row_components(
 ) -> Iterator[Component]:
     """Yield what the multiplier of a row itself is, if it is an effort that no wrench shows."""
     if row.coordinate:
-        name = effort_name(formed.topology.joint(row.element), row.coordinate)
+        name = formed.topology.joint(row.element).effort_name(row.coordinate)
         yield Component(f"effort {name}", row.coordinate in turning)
     elif row.gap not in ("", row.element):  # points of a contact, whose wrench is that of all
         yield Component(row.name, is_moment=False)

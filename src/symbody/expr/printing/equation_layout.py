@@ -7,8 +7,9 @@ fits. How they look is `symbody/display/maths.css`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
+from types import MappingProxyType
 from typing import Final
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -21,6 +22,7 @@ from symbody.expr.printing.mathml_tables import (
     terms_of,
 )
 from symbody.expr.printing.names import name_words
+from symbody.expr.printing.relation import Relation
 
 _LONG: Final = 20  # letters from which a term may be broken inside its brackets
 _BRACKET: Final = 10  # letters below which brackets are never opened
@@ -29,7 +31,11 @@ _TALL: Final = frozenset({"mfrac", "mtable"})
 _HEIGHT: Final = "2.3em"  # of a bracket around a fraction whose halves may stand in two rows
 
 
-def equations_html(sides: Iterable[tuple[str, str]], remarks: Sequence[str] = ()) -> str:
+def equations_html(
+    sides: Iterable[tuple[str, str]],
+    remarks: Sequence[str] = (),
+    relations: Mapping[int, Relation] = MappingProxyType({}),
+) -> str:
     """Return equations of MathML below each other, each as a row that may be broken anywhere between terms.
 
     Parameters
@@ -38,13 +44,16 @@ def equations_html(sides: Iterable[tuple[str, str]], remarks: Sequence[str] = ()
         MathML of both sides.
     remarks : sequence of str
         What is said behind each equation; none for those beyond the list.
+    relations : mapping of int to Relation
+        What stands between sides where that is no equality, by their place.
     """
     said = [*remarks]
     rows = []
     for k, (left, right) in enumerate(sides):
         remark = said[k] if k < len(said) else ""
+        sign = relations.get(k, Relation.EQUAL).mathml
         words = f' <span class="sb-remark">({escape(remark)})</span>' if remark else ""
-        rows.append(f'<div class="sb-equation">{"".join(_terms(left, right))}{words}</div>')
+        rows.append(f'<div class="sb-equation">{"".join(_terms(left, right, sign))}{words}</div>')
     return f'<div class="sb-equations">{"".join(rows)}</div>'
 
 
@@ -109,11 +118,11 @@ def _is_nonzero(entry: str) -> bool:
     return entry != "<mn>0</mn>"
 
 
-def _terms(left: str, right: str) -> Iterator[str]:
+def _terms(left: str, right: str, relation: str) -> Iterator[str]:
     yield from (_term(elements) for elements in terms_of(list(_parse(left))))
     first, *others = terms_of(list(_parse(right)))
     sign = Element("mo", form="infix")
-    sign.text = "="
+    sign.text = relation
     yield _term([sign, *first])
     yield from map(_term, others)
 

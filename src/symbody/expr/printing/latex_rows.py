@@ -3,7 +3,7 @@ r"""LaTeX of whole pages: equations below each other in ``aligned``, long sides 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -40,32 +40,45 @@ class _Tokens:
     partners: dict[int, int]
 
 
-def latex_equations_page(blocks: Sequence[Sequence[tuple[str, str]]], width: int = WIDTH) -> str:
+def latex_equations_page(
+    blocks: Sequence[Sequence[tuple[str, str]]], width: int = WIDTH, signs: Sequence[Mapping[int, str]] = ()
+) -> str:
     r"""Return blocks of equations, pairs of sides, as one ``aligned`` environment without delimiters.
 
     They are aligned at their signs, or at their beginnings where a left side takes several rows.
+
+    Parameters
+    ----------
+    signs : sequence of mapping of int to str
+        For each of the blocks the signs that are not "=", by the place of the equation.
     """
-    broken = [[(break_latex(a, width), break_latex(b, width)) for a, b in block] for block in blocks if block]
-    at_signs = all(len(left) == 1 for block in broken for left, _ in block)
+    broken = [
+        [
+            (break_latex(a, width), break_latex(b, width), signs[n].get(k, "=") if n < len(signs) else "=")
+            for k, (a, b) in enumerate(block)
+        ]
+        for n, block in enumerate(blocks)
+        if block
+    ]
+    at_signs = all(len(left) == 1 for block in broken for left, _, _ in block)
     bodies = [
-        " \\\\\n".join(row for left, right in block for row in _rows(left, right, at_signs, width))
-        for block in broken
+        " \\\\\n".join(row for parts in block for row in _rows(*parts, at_signs, width)) for block in broken
     ]
     return "\\begin{aligned}\n" + " \\\\[1ex]\n".join(bodies) + "\n\\end{aligned}"
 
 
-def _rows(left: Sequence[str], right: Sequence[str], at_signs: bool, width: int) -> Iterator[str]:
+def _rows(left: Sequence[str], right: Sequence[str], sign: str, at_signs: bool, width: int) -> Iterator[str]:
     if at_signs:
-        yield f"{left[0]} &= {right[0]}"
+        yield f"{left[0]} &{sign} {right[0]}"
         yield from (rf"&\quad {{}}{row}" for row in right[1:])
         return
     indented = [left[0], *(rf"\quad {{}}{row}" for row in left[1:])]
     yield from (f"&{row}" for row in indented[:-1])
     if letters(left[-1]) + letters(right[0]) > width:
         yield f"&{indented[-1]}"
-        yield rf"&\qquad {{}}= {right[0]}"
+        yield rf"&\qquad {{}}{sign} {right[0]}"
     else:
-        yield f"&{indented[-1]} = {right[0]}"
+        yield f"&{indented[-1]} {sign} {right[0]}"
     yield from (rf"&\qquad\quad {{}}{row}" for row in right[1:])
 
 

@@ -61,10 +61,15 @@ static void log_shock(Motion *m, const double *row)
 {
     Instance *instance = (Instance *)m;
     char text[1024];
-    int k, count = 0, size = snprintf(text, sizeof text, "at t = %.9g s ropes go taut with an impact:", row[1]);
+    int k, stops = 0, ropes = 0, count = 0, size;
+    for (k = 0; k < SB_ELEMENTS; k++)
+        if (row[3 + k] != 0.0) *(sb_stops[k] ? &stops : &ropes) += 1;
+    size = snprintf(text, sizeof text, "at t = %.9g s %s with an impact:", row[1],
+        !stops ? "ropes go taut" : !ropes ? "stops close" : "ropes go taut and stops close");
     for (k = 0; k < SB_ELEMENTS && size < (int)sizeof text; k++)
         if (row[3 + k] != 0.0)
-            size += snprintf(text + size, sizeof text - size, "%s %s by %.6g N s", count++ ? " and" : "", sb_elements[k], row[3 + k]);
+            size += snprintf(text + size, sizeof text - size, "%s %s by %.6g%s", count++ ? " and" : "", sb_elements[k], row[3 + k],
+                sb_stops[k] ? "" : " N s");
     if (size < (int)sizeof text) snprintf(text + size, sizeof text - size, "; %.6g J are lost", row[2]);
     if (instance->logs_events) deliver(instance, STATUS_OK, "logEvents", text);
 }
@@ -152,7 +157,7 @@ static int prepare(Instance *instance, const char *function)
     forget_modes(m);
     if (switch_modes(m) == SOLVED) return STATUS_OK;
     return fail(instance, STATUS_ERROR, function,
-        "no way of sticking and slipping, and of ropes taut and slack, fits the values that were set");
+        "no way of sticking and slipping, and of gaps closed and open, fits the values that were set");
 }
 
 static int enter_initialization(Instance *instance, double start, int has_stop, double stop, double tolerance)
@@ -311,7 +316,7 @@ static const char *reason(const Motion *m, const char *otherwise)
         : m->unmet == NO_SPEEDS ? "no speeds satisfy the prescribed rates behind a jump"
         : m->unmet == UNKNOWN_RATES ? "prescribed rates jump further on, which is not known to this FMU"
         : m->unmet == LONG_ROPE
-        ? "the action of an event moves the ends of a rope farther apart than it is long; set coordinates within its length"
+        ? "the action of an event moves the ends of a rope farther apart than it is long, or beyond a stop; set coordinates within"
         : otherwise;
 }
 

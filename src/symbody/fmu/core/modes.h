@@ -1,10 +1,10 @@
 /* Copyright (c) 2026, The symbody authors. SPDX-License-Identifier: BSD-3-Clause */
-/* Modes: joints stick or slip, ropes are taut or slack. Each element has a number that is positive while its mode
+/* Modes: joints stick or slip, ropes are taut or slack, stops closed or open. Each element has a number that is positive while its mode
    lasts; where one ends, the kernel `settle_modes` decides. Its `ModeSwitch` holds the modes. */
 
-#define LONGEST 1e-7 /* of its length: a rope that drifts or overshoots is not longer by more */
+#define LONGEST 1e-7 /* of its size: a gap that drifts or overshoots is not negative by more */
 
-/* The shock of ropes that a row of the record of modes holds. */
+/* The impact of ropes and stops that a row of the record of modes holds. */
 static void log_shock(Motion *m, const double *row);
 
 #if SB_ELEMENTS
@@ -30,14 +30,14 @@ static void release(Motion *m)
 /* How fast the mechanism has been. */
 static void note_rates(Motion *m, const double *x) { symbody_note_rates(switch_of(m), (double *)x); }
 
-/* Whether a state that was set has a rope that is longer than it can be. */
+/* Whether a state that was set has a negative gap. */
 static int has_long_rope(Motion *m)
 {
     renew_arguments(m);
     return symbody_find_long_rope(symbody_mechanism_deciding, switch_of(m), clock_of(m), m->x) != 0;
 }
 
-/* The same of a state to which the motion has come: ropes that were taut are not. */
+/* The same of a state to which the motion has come: gaps that were closed are not. */
 static int has_torn_rope(Motion *m)
 {
     int k;

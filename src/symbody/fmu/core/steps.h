@@ -32,7 +32,7 @@ static void look_for_jump(Motion *m)
 /* Steps begin at the clock: where that has come behind the side before a jump, they cannot lead there. */
 static int has_come_to_jump(const Motion *m) { return clock_of(m) >= m->jump - m->jump_margin; }
 
-/* Let prescribed rates that jump strike the mechanism. Joints that stick and ropes hold nothing meanwhile. */
+/* Let prescribed rates that jump strike the mechanism. Joints that stick, ropes and stops hold nothing meanwhile. */
 static int strike_rates(Motion *m, double before, double behind)
 {
     int code = 0;

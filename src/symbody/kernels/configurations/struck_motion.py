@@ -23,12 +23,12 @@ def end_before_jump(run: Run, jumps: RateJumps) -> None:
             run.t_end = run.time
 
 
-def store_until(run: Run, end: float, width: float, times: Reals, t: Reals, x: Reals) -> None:
-    """Store the present state as the samples before a time and so much behind."""
+def store_before(run: Run, jumps: RateJumps, times: Reals, t: Reals, x: Reals) -> None:
+    """Store the present state as the samples before the jump to which the motion has come."""
+    meets = jumps.jumps[jumps.next].meets
     while run.counts.samples < run.room.times:
         sample = run.counts.samples
-        beyond = (times[sample] - end) * run.goal.direction
-        if beyond > width or (beyond == 0.0 and width == 0.0):
+        if (times[sample] - meets) * run.goal.direction >= 0.0:
             break
         store_sample(run, times[sample], run.state_old, t, x)
 
@@ -36,7 +36,12 @@ def store_until(run: Run, end: float, width: float, times: Reals, t: Reals, x: R
 def store_behind(run: Run, jumps: RateJumps, times: Reals, t: Reals, x: Reals) -> None:
     """Store the present state as the samples at the jump that the motion has passed."""
     jump = jumps.jumps[jumps.next - 1]
-    store_until(run, jump.meets, abs(jump.behind - jump.meets), times, t, x)
+    width = abs(jump.behind - jump.meets)
+    while run.counts.samples < run.room.times:
+        sample = run.counts.samples
+        if (times[sample] - jump.meets) * run.goal.direction > width:
+            break
+        store_sample(run, times[sample], run.state_old, t, x)
 
 
 def strike_state(
@@ -51,7 +56,7 @@ def strike_state(
     n = run.states
     problem = jumps.problem
     jump = jumps.jumps[jumps.next]
-    store_until(run, jump.meets, 0.0, times, t, x)
+    store_before(run, jumps, times, t, x)
     copy(n, run.state_old, run.state_new)
     code = strike(s, problem, run.time, jump.behind, run.state_old)
     if code == TORN:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from symbody.kernels.language import part
 from symbody.kernels.modes.find_modes import BALANCED, CANCELLED
 from symbody.kernels.modes.mode_problem import BOUNDED, CONE, HOLDS, LOOSE, UNILATERAL, ModeElement
+from symbody.kernels.modes.mode_state import slow_rate
 from symbody.kernels.modes.mode_switch import ModeSwitch, SwitchingElement
 
 
@@ -77,7 +78,7 @@ def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place:
     element.first = 0.0
     element.second = 0.0
     if is_shock == 1:
-        element.rounding = 0.0
+        element.rounding = slow_rate(modes, modes.elements[place])
     if candidate >= joints:
         element.law = UNILATERAL
     else:

@@ -12,7 +12,7 @@ from typing import Final
 
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.modes.fill_problem import candidate_block, fill_problem, rate_behind, row_rate
-from symbody.kernels.modes.find_modes import BALANCED, ONE, find_modes
+from symbody.kernels.modes.find_modes import BALANCED, ONE, TWO, find_modes
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
 from symbody.kernels.modes.mode_state import (
     FUNCTION_FAULT,
@@ -98,9 +98,19 @@ def compress(modes: ModeSwitch) -> int:
         modes.impulses[k] = 0.0
     for k in range(modes.components):
         modes.shocks[k] = 0.0
+    return solve_impact(modes)
+
+
+def solve_impact(modes: ModeSwitch) -> int:
+    """Add the impulses that keep gaps from closing further; return the verdict of `find_modes`.
+
+    Friction may let there be several, of which any will do: what holds most is taken.
+    """
     fill_problem(modes, 1)
     verdict = find_modes(modes.problem)
     add_efforts(modes)
+    if verdict == TWO:
+        return ONE
     return verdict
 
 
@@ -133,9 +143,7 @@ def expand(modes: ModeSwitch, share: float) -> int:
         for i in range(problem.rows):
             candidate = int(modes.acting[i])
             modes.impulses[candidate] = modes.impulses[candidate] + shares[i]
-        fill_problem(modes, 1)
-        verdict = find_modes(problem)
-        add_efforts(modes)
+        verdict = solve_impact(modes)
     modes.lost = lost_energy(modes)
     return verdict
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from symbody.errors import Problem
 from symbody.model.body import Body
-from symbody.model.constraints.couplings import JointCoupling
+from symbody.model.constraint import ConstraintElement
+from symbody.model.constraints.couplings import Gear, JointCoupling, Stop
+from symbody.model.contacts.contact import Contact
 from symbody.model.declarations.element_fields import Connection
 from symbody.model.element import Element
 from symbody.model.joint import Joint
@@ -18,18 +20,33 @@ from symbody.model.naming import GROUND
 AMONG_SYMBOLS: Final = ("signal", "block")
 
 
+def collect_constraints(elements: Iterable[Element]) -> Iterator[ConstraintElement | Contact]:
+    """Yield what makes equations: constraints, rigid contacts, and rigid limits and play as stops."""
+    for element in elements:
+        yield from _stops(element)
+        if isinstance(element, ConstraintElement) and not (isinstance(element, Gear) and element.backlash):
+            yield element
+        elif isinstance(element, Contact) and element.is_rigid:
+            yield element
+
+
+def _stops(element: Element) -> tuple[Stop, ...]:
+    return element.stops if isinstance(element, Joint | Gear) else ()
+
+
 def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -> list[Problem]:
     """Return a problem for each name that several elements have."""
     sites: dict[str, list[int]] = {}
     for k, element in enumerate(elements):
         if element.kind not in AMONG_SYMBOLS:
-            sites.setdefault(element.name, []).append(k)
+            for each in (element, *_stops(element)):
+                sites.setdefault(each.name, []).append(k)
     return [
         Problem(
             "names.duplicate",
             "; ".join(f"{labels[k]}, name" for k in places),
             f"{len(places)} elements are named {name!r}",
-            "bodies, joints and forces share one set of names",
+            "bodies, joints, forces and the ends of limits share one set of names",
             "rename all but one",
         )
         for name, places in sites.items()

@@ -161,6 +161,8 @@ def _degree_problems(draft: Draft, elements: Mapping[str, Element]) -> list[Prob
             others.update(f"{name}_dot" for name in element.coordinates)
             for path, name, drive in element.drives_with_paths():
                 values.append((f"{label}, {path}", name, drive.free))
+            for path, name, limits in element.limits_with_paths():
+                values += [(f"{label}, {path}", name, end) for end in limits.ends]
             for name, formula in element.motion.items():
                 values.append((f"{label}, {element.coordinate_path('motion', name)}", name, formula))
     return [

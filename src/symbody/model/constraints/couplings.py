@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar, Final, final
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Any, ClassVar, Final, TypeAlias, final
 
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import ConstraintElement
-from symbody.model.declarations.combinators import list_of
+from symbody.model.declarations.combinators import OptionalField, list_of
 from symbody.model.declarations.element_fields import Coupled, VanishingFormulas, element
-from symbody.model.declarations.fields import AngleQuantity, Flag, Formulas, Quantity
+from symbody.model.declarations.fields import AngleQuantity, Flag, Formulas, Quantity, Refusal
 from symbody.model.declarations.formula_site import Scope
+from symbody.model.loads.gap_laws import RESTITUTION, Backlash, GapLawPart
 from symbody.model.numeric_checks import Domain, positive_length
 
 _ONE: Final = Formula.from_value(1)
@@ -20,6 +23,24 @@ _NONZERO: Final = Domain(
     nonzero=True,
 )  # fmt: skip
 _PULLEY_RADIUS: Final = positive_length("the directions of rotation are given by the angles and by crossed")
+
+
+_NO_BACKLASH: Final = Refusal(
+    "model.not_backlash", what="{value} is not a backlash",
+    fix="write Backlash(angle, rigid=True), or stiffness=.. instead of rigid",
+)  # fmt: skip
+BacklashLike: TypeAlias = Backlash | Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeshPlay(OptionalField[BacklashLike, Backlash]):
+    """The play of teeth."""
+
+    annotation: ClassVar[str]
+
+    _: KW_ONLY
+    inner: Any = field(default_factory=lambda: GapLawPart(kind=Backlash, refusal=_NO_BACKLASH))
+    is_nullable: bool = True
 
 
 class JointCoupling(ConstraintElement):
@@ -54,7 +75,9 @@ class Gear(JointCoupling):
     """Two wheels in mesh: ``first = ratio second + offset``.
 
     Wheels that mesh on the outside turn against each other: their ratio is negative. The multiplier is the
-    torque on the first wheel about its axis [N m].
+    torque on the first wheel about its axis [N m]. With `backlash` the wheels are free within the play of
+    their teeth; where these are rigid they are two stops, ``stage low`` and ``stage high``; else
+    ``effort stage`` is the torque.
 
     Examples
     --------
@@ -68,6 +91,7 @@ class Gear(JointCoupling):
     holds: ClassVar[str] = "`first = ratio second + offset`"
     multiplier: ClassVar[str] = "the torque on the first"
     multiplier_unit: ClassVar[str] = "N m"
+    effort_unit: ClassVar[str] = "N m"
 
     coupled: Coupled = Coupled("The angles of two joints.")
     ratio: Quantity = Quantity(
@@ -76,11 +100,29 @@ class Gear(JointCoupling):
     offset: AngleQuantity = AngleQuantity(
         "The first angle where the second is 0.", unit="rad", default=0, scope=Scope.PRESCRIBED
     )
+    backlash: MeshPlay = MeshPlay("Play of the teeth; without it they always touch on both flanks.")
 
     @property
     def factors(self) -> tuple[Formula, ...]:
         """``1, -ratio``."""
         return (_ONE, _negative(self.ratio))
+
+    @property
+    def stops(self) -> tuple[Stop, ...]:
+        """What rigid teeth with backlash are: a stop at each end of the play."""
+        if self.backlash is None or not self.backlash.rigid:
+            return ()
+        first, second = self.coupled
+        lead = f"{first} - ({self.ratio.text})*{second} - ({self.offset.text})"
+        restitution = self.backlash.restitution or 0
+        return tuple(
+            Stop(f"{self.name} {end}", gap, restitution=restitution) for end, gap in self.backlash.gaps(lead)
+        )
+
+    def output_words(self, kind: str) -> tuple[str, ...]:
+        """Return what may follow its name in outputs of a kind."""
+        is_compliant = self.backlash is not None and not self.backlash.rigid
+        return ("",) if kind == "effort" and is_compliant else ()
 
 
 @final
@@ -220,12 +262,6 @@ class Constraint(ConstraintElement):
         "Left-hand sides that are 0: formulas in coordinates, parameters and t; also in rates and speeds, "
         "if linear in them."
     )
-
-
-RESTITUTION: Final = Domain(
-    "model.restitution", "restitution is {value}", "it is a share of the speed of an impact",
-    "give a number from 0 to 1", 0.0, most=1.0,
-)  # fmt: skip
 
 
 @final

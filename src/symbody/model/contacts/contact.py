@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, Final, final
 
-from symbody.model.constraints.couplings import RESTITUTION
 from symbody.model.contacts.contact_shapes import ContactShapes
 from symbody.model.contacts.normal_force import RIGID, NormalLaw
 from symbody.model.declarations.arguments import Arguments
@@ -14,6 +13,7 @@ from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.declarations.fields import DeclaredPart, Quantity, Refusal
 from symbody.model.loads.friction import Friction, check_friction
+from symbody.model.loads.gap_laws import RESTITUTION
 from symbody.model.numeric_checks import NumericChecks
 
 _FRICTION: Final = Refusal(

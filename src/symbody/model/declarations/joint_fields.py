@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, TypeAlias
 
 from symbody.expr.language.formula import Formula
 from symbody.model.declarations.arguments import Arguments, Value
@@ -26,6 +26,7 @@ from symbody.model.frozen_mapping import FrozenMapping
 from symbody.model.joint import InTrees, Joint
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction, check_friction
+from symbody.model.loads.gap_laws import GapLawPart, Limits
 from symbody.model.numbers import as_float, formula_value
 from symbody.model.numeric_checks import FINITE, Domain, NumericChecks
 from symbody.model.simple_rotation import LETTERS, Axis, not_perpendicular
@@ -175,6 +176,55 @@ def _applied_alone(entry: str, path: Path) -> Iterable[Misfit]:
     return wrong_type(entry, path, "a table", f'write {path[-1]} = {{ applied = "{entry}" }}')
 
 
+LimitsLike: TypeAlias = Limits | Mapping[str, Any]
+
+
+def _limits() -> GapLawPart[Limits]:
+    refusal = Refusal(
+        "model.not_limits",
+        what="{value} is not a pair of limits",
+        fix="write Limits(low=.., high=.., rigid=True), or stiffness=.. instead of rigid",
+    )
+    return GapLawPart(kind=Limits, refusal=refusal)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CoordinateLimits(AlongCoordinate[LimitsLike | None, Limits]):
+    """The ends of the only coordinate."""
+
+    role: ClassVar[str] = "limits"
+    takes: ClassVar[str] = "Limits or mapping"
+    annotation: ClassVar[str] = "LimitsLike | None"
+
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_limits)
+    is_nullable: bool = True
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AllLimits(ByCoordinate[Mapping[str, LimitsLike] | None, Limits]):
+    """The ends of coordinates, by their names."""
+
+    role: ClassVar[str] = "limits_by_coordinate"
+    takes: ClassVar[str] = "mapping of coordinate to Limits"
+    annotation: ClassVar[str] = "Mapping[str, LimitsLike] | None"
+
+    _: KW_ONLY
+    default: Any = None
+    item: Any = field(default_factory=_limits)
+
+    def misfits(self, entry: object, path: Path) -> Iterable[Misfit]:
+        """Return the misfits of the limits; those that do not say of which coordinate are one."""
+        if isinstance(entry, dict) and any(
+            key in Limits.fields and not isinstance(item, dict) for key, item in entry.items()
+        ):
+            return wrong_type(
+                entry, path, "a table by coordinate, such as { theta = { high = .., rigid = true } }"
+            )
+        return ByCoordinate.misfits(self, entry, path)
+
+
 def _prescribed_formula() -> Quantity:
     return AngleQuantity(scope=Scope.PRESCRIBED, fits=FINITE)
 
@@ -322,6 +372,8 @@ MOTIONS: Final = PrescribedMotions(
 )
 AS_CONSTRAINT: Final = Flag("Whether prescribed motions become constraints.", default=False)
 FRICTION: Final = DryFriction("Friction in the joint.")
+LIMITS: Final = CoordinateLimits("Ends of the coordinate: rigid, or a force that pushes back.")
+ALL_LIMITS: Final = AllLimits("Ends of coordinates, by coordinate: rigid, or a force that pushes back.")
 
 
 def read_names(arguments: Arguments, value: object, path: str, default: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,14 +10,18 @@ from symbody.model.declarations.element_fields import element
 from symbody.model.declarations.fields import Direction, Flag, Quantity
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.declarations.joint_fields import (
+    ALL_LIMITS,
     AS_CONSTRAINT,
     FRICTION,
+    LIMITS,
     MOTIONS,
     TREE,
+    AllLimits,
     Armature,
     Coordinate,
     CoordinateDrive,
     CoordinateDrives,
+    CoordinateLimits,
     Coordinates,
     DryFriction,
     Letter,
@@ -75,6 +79,7 @@ class Revolute(Joint):
     as_constraint: Flag = AS_CONSTRAINT
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg m^2", default=0)
     friction: DryFriction = FRICTION
+    limits: CoordinateLimits = LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis."""
@@ -105,6 +110,7 @@ class Prismatic(Joint):
     as_constraint: Flag = AS_CONSTRAINT
     armature: Armature = Armature("Inertia of the drive's rotor.", unit="kg", default=0)
     friction: DryFriction = FRICTION
+    limits: CoordinateLimits = LIMITS
 
     def shift(self) -> Triple:
         """Return the axis times the coordinate."""
@@ -141,6 +147,7 @@ class Screw(Joint):
     )
     as_constraint: Flag = AS_CONSTRAINT
     friction: DryFriction = FRICTION
+    limits: CoordinateLimits = LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis."""
@@ -177,6 +184,7 @@ class Cylindrical(Joint):
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
     friction: DryFriction = FRICTION
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis."""
@@ -209,6 +217,7 @@ class PinSlot(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drive about the pin, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the pin."""
@@ -242,6 +251,7 @@ class Universal(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the axis of start, then that about the axis of end."""
@@ -277,6 +287,7 @@ class ConstantVelocity(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn to the direction of the bend, the bend, and the turn back."""

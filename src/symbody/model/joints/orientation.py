@@ -15,9 +15,11 @@ from symbody.model.declarations.field import NULL
 from symbody.model.declarations.fields import Direction, Flag, SymbolName, TextField
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.declarations.joint_fields import (
+    ALL_LIMITS,
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
+    AllLimits,
     CoordinateDrives,
     Coordinates,
     PrescribedMotions,
@@ -227,6 +229,7 @@ class Gimbal(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
@@ -261,6 +264,7 @@ class Spherical(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -304,6 +308,7 @@ class Bearing(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
@@ -338,6 +343,7 @@ class Telescoping(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turns by the angles."""
@@ -383,6 +389,7 @@ class Free(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drives along the angles, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     @property
     def suffixes(self) -> tuple[str, ...]:

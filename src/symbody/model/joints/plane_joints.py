@@ -9,9 +9,11 @@ from symbody.model.declarations.element_fields import element
 from symbody.model.declarations.fields import Flag
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.declarations.joint_fields import (
+    ALL_LIMITS,
     AS_CONSTRAINT,
     MOTIONS,
     TREE,
+    AllLimits,
     CoordinateDrives,
     Coordinates,
     Letter,
@@ -43,6 +45,7 @@ class Rectangular(Joint):
     force: CoordinateDrives = CoordinateDrives("Drives along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def shift(self) -> Triple:
         """Return the two displacements, in cyclic order after the normal."""
@@ -72,6 +75,7 @@ class Planar(Joint):
     torque: CoordinateDrives = CoordinateDrives("Drive about the normal, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def turns(self) -> tuple[SimpleRotation, ...]:
         """Return the turn about the normal."""
@@ -103,6 +107,7 @@ class Cartesian(Joint):
     force: CoordinateDrives = CoordinateDrives("Drives along the displacements, by coordinate.")
     motion: PrescribedMotions = MOTIONS
     as_constraint: Flag = AS_CONSTRAINT
+    limits: AllLimits = ALL_LIMITS
 
     def shift(self) -> Triple:
         """Return the displacements."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from symbody.errors import ExpressionError, Problem
@@ -161,7 +161,13 @@ def _make_renaming(include: Include, at: FrameRef, taken: frozenset[str]) -> Ren
     symbols |= {name: name for name in include.share}
     symbols |= {name: outer.text for name, outer in include.connect.items() if is_name(outer.text)}
     rates = {f"{name}{suffix}": f"{symbols[name]}{suffix}" for name in moving for suffix in ("_dot", "_ddot")}
-    return Renaming(include.prefix, rates | symbols, part.output_scope, at, name_beginnings(taken))
+    renaming = Renaming(include.prefix, rates | symbols, part.output_scope, at, name_beginnings(taken))
+    stops = {
+        old.name: new.name
+        for joint in part.joints
+        for old, new in zip(joint.stops, joint.rename(renaming).stops, strict=True)
+    }
+    return replace(renaming, stops=stops)
 
 
 def _clashes(draft: Draft, content: Draft, include: Include) -> list[Problem]:
@@ -271,6 +277,8 @@ class Renaming:
         What is the ground of the part.
     beginnings : frozenset of str
         What elements of the whole begin with, which may be the name of one of the part.
+    stops : mapping of str to str
+        Those that limits of joints are, whose names contain those of coordinates, with their new names.
     """
 
     prefix: str
@@ -278,6 +286,7 @@ class Renaming:
     scope: OutputScope
     at: FrameRef
     beginnings: frozenset[str] = frozenset()
+    stops: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def ground(self) -> str:
@@ -286,7 +295,7 @@ class Renaming:
 
     def element_name(self, name: str) -> str:
         """Return the new name of an element."""
-        return f"{self.prefix}_{name}"
+        return self.stops.get(name) or f"{self.prefix}_{name}"
 
     def symbol(self, name: str) -> str:
         """Return the new name of a symbol."""

@@ -40,7 +40,7 @@ class EventWatch:
     sides : sequence of EventSide
         Where the values of the first events stood when the motion was interrupted that goes on here.
     modes : SwitchingModes, optional
-        The modes of joints and ropes, which the last events end.
+        The modes of joints, ropes and stops, which the last events end.
 
     Attributes
     ----------

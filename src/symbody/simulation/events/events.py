@@ -147,7 +147,7 @@ class LevelEvent(Event):
 
 @dataclass(frozen=True, slots=True)
 class ModeEnd(LevelEvent):
-    """The end of a mode of a joint that sticks and slips, or of a rope: its value falls to zero."""
+    """The end of a mode of a joint that sticks and slips, of a rope or of a stop: its value falls to zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +159,9 @@ class ModeChange:
     t : float
         When [s].
     name : str
-        The joint or rope.
+        The joint, rope or stop.
     mode : str
-        From then on: "sticks", "slips forward", "slips backward"; "taut", "slack".
+        From then on: "sticks", "slips forward", "slips backward"; "taut", "slack"; "closed", "open".
     """
 
     t: float

@@ -1,4 +1,4 @@
-"""Joints that stick and slip, and ropes, along a motion: `kernels.modes` with functions and numbers."""
+"""Joints that stick and slip, ropes and stops, along a motion: `kernels.modes` with functions and numbers."""
 
 from __future__ import annotations
 
@@ -62,8 +62,11 @@ _UNDETERMINED: Final = MappingProxyType(
         "the friction of the joints",
     }
 )
-_STUCK: Final = "no speeds were found that keep the ropes taut"
-_SMOOTH: Final = "give friction a v0, and replace ropes by springs that only pull: their laws are smooth then"
+_STUCK: Final = "no speeds were found that keep ropes taut and gaps closed"
+_SMOOTH: Final = (
+    "give friction a v0, replace ropes by springs that only pull, and give limits and backlash a stiffness "
+    "instead of rigid: their laws are smooth then"
+)
 
 
 class DeadEndError(Exception):
@@ -85,7 +88,7 @@ class DeadEndError(Exception):
 
 
 class SettledState(NamedTuple):
-    """A state (u, q, s) whose speeds fit the modes, the work done by that, and whether ropes have struck."""
+    """A state (u, q, s) whose speeds fit the modes, the work done by that, and whether it was an impact."""
 
     x: Floats
     work: float
@@ -93,7 +96,7 @@ class SettledState(NamedTuple):
 
 
 class SwitchingModes:
-    """The modes of the joints that stick and slip, and of the ropes, along a motion.
+    """The modes of the joints that stick and slip, of ropes and of stops, along a motion.
 
     Parameters
     ----------
@@ -204,12 +207,12 @@ class SwitchingModes:
             element.before = element.ended = 0.0
 
     def release(self) -> None:
-        """Let no joint stick and no rope be taut, until modes are decided."""
+        """Let no joint stick and no gap be closed, until modes are decided."""
         for element in self.switch.elements:
             element.mode = LOOSE
 
     def settle(self, t: float, x: Floats) -> SettledState:
-        """Let ropes strike and decide the modes.
+        """Let ropes and stops strike and decide the modes.
 
         Raises
         ------
@@ -261,8 +264,13 @@ class SwitchingModes:
             return DeadEndError(t, Status.FRICTION, _UNDETERMINED[ModeVerdict(self.switch.verdict)])
         return DeadEndError(t, Status.SINGULAR, _STUCK)
 
-    def _too_long(self, label: str) -> str:
+    def _out_of_reach(self, label: str) -> str:
         name = self.modal.names[self.switch.culprit - 1]
+        if unilateral_row(self.modal.eqs.formed, name).sense > 0:
+            return (
+                f"the action of event {label!r} makes the gap of {name} negative; set coordinates at which "
+                f"it is open or closed"
+            )
         return (
             f"the action of event {label!r} moves the ends of {name} farther apart than the rope is long; "
             f"set coordinates within its length"
@@ -276,11 +284,11 @@ class SwitchingModes:
         if code == run_at.UNDECIDED:
             return _UNDETERMINED[ModeVerdict(self.switch.verdict)]
         if code == run_at.TOO_LONG:
-            return self._too_long(actor)
+            return self._out_of_reach(actor)
         return _STUCK if code == run_at.UNMOVABLE else ""
 
-    def check_ropes(self, t: float, x: Floats, actor: str) -> None:
-        """Refuse a state, set by an event, in which a rope is longer than it can be.
+    def check_gaps(self, t: float, x: Floats, actor: str) -> None:
+        """Refuse a state, set by an event, in which a rope is longer than it can be or a gap negative.
 
         Raises
         ------
@@ -291,7 +299,7 @@ class SwitchingModes:
         place = _kernel("find_long_rope")(self._decides, address(self._block), t, address(state))
         if place:
             self.switch.culprit = place
-            raise DeadEndError(t, Status.UNMET_ACTION, self._too_long(actor))
+            raise DeadEndError(t, Status.UNMET_ACTION, self._out_of_reach(actor))
 
     def prepare(self, watch: Floats) -> None:
         """Tell a search for events where modes stand among inputs, and what is taken from watched values."""
@@ -462,7 +470,7 @@ def check_backwards(span: tuple[float, float]) -> None:
     if span[1] < span[0]:
         raise UsageError(
             Problem("simulation.stick_slip_backwards", "t_end", "the motion runs backwards",
-                    "how long a joint sticks, or a rope is taut, depends on the motion before", _SMOOTH)
+                    "how long joints stick and gaps are closed depends on the motion before", _SMOOTH)
         )  # fmt: skip
 
 

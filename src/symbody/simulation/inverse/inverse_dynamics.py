@@ -22,7 +22,7 @@ from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.unilateral import unilateral_elements
+from symbody.equations.solving.unilateral import unilateral_elements, unilateral_row
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
@@ -219,12 +219,7 @@ def _check_questions(
                     "inverse dynamics needs a prescribed motion",
                     f'write motion={{"{eqs.coordinate_names[0]}": "sin(t)"}}')
         )  # fmt: skip
-    problems += [
-        Problem("inverse.rope", f"constraint {name}",
-                "a prescribed motion does not determine whether a rope is slack or taut",
-                "", "use a Distance without rope=True where it is taut, or leave it out where it is slack")
-        for name in unilateral_elements(eqs.formed)
-    ]  # fmt: skip
+    problems += [_one_sided(eqs, name) for name in unilateral_elements(eqs.formed)]
     if eqs.signal_state_names:
         problems.append(
             Problem("inverse.signals", f"signal {eqs.signal_state_names[0]}",
@@ -252,6 +247,17 @@ def _check_questions(
     if problems:
         raise UsageError(*problems)
     refuse_held(eqs, "inverse dynamics", {*unknowns, *inputs})
+
+
+def _one_sided(eqs: EquationSet, name: str) -> Problem:
+    """Return the problem of a rope or stop."""
+    if unilateral_row(eqs.formed, name).sense < 0:
+        what = "a prescribed motion does not determine whether a rope is slack or taut"
+        fix = "use a Distance without rope=True where it is taut, or leave it out where it is slack"
+    else:
+        what = "a prescribed motion does not determine whether a stop is open or closed"
+        fix = "give limits and backlash a stiffness instead of rigid, or leave the stop out"
+    return Problem("inverse.rope", f"constraint {name}", what, "", fix)
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:

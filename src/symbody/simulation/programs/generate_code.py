@@ -135,13 +135,14 @@ def _check_motion(eqs: EquationSet) -> None:
     refuse_held(eqs, "a Modelica model")
     reason = reason_for_simulate(eqs, InputLaws({}, {}, (), {}), None, None)
     if switches(eqs.formed):
-        reason = "; ".join(filter(None, ("joints stick and slip, or ropes slacken", reason)))
+        reason = "; ".join(filter(None, ("joints stick and slip, ropes slacken, or gaps open", reason)))
     if reason:
         raise UsageError(
             Problem("modelica.motion", eqs.model.name,
                     f"this mechanism cannot be exported to Modelica: {reason}",
                     "the equations of a Modelica model cannot change",
-                    "give friction a smooth law and replace ropes by springs, or use simulate")
+                    "give friction a smooth law, replace ropes by springs, give limits and contacts a "
+                    "stiffness, or use simulate")
         )  # fmt: skip
 
 

@@ -67,7 +67,7 @@ def generate_simulation(
     """Return a program that computes a motion as `simulate` does, and needs nothing else.
 
     It holds the equations, the integrator with its projection, and the first state, and prints the samples:
-    time, speeds, coordinates, work. Joints stick and slip, and ropes go taut, as in `simulate`. Events are
+    time, speeds, coordinates, work. Joints stick and slip, gaps close and open, as in `simulate`. Events are
     listed on the error output, name and time in each line. The
     programs in all languages print the same numbers to the last bit, as long as the equations use no function
     beyond sine, cosine, roots and whole powers, which languages compute in their own ways. They agree with
@@ -89,7 +89,7 @@ def generate_simulation(
     times : array, optional
         The samples; by default 101 from the first to the last time.
     integrator, constraints : optional
-        ``Explicit(..)``, ``FixedStep(..)`` or, for stiff mechanisms without samples, dry friction and ropes,
+        ``Explicit(..)``, ``FixedStep(..)`` or, for stiff mechanisms without samples, dry friction and gaps,
         ``GeneralizedAlpha(..)``; ``Projection(..)`` or ``Baumgarte(..)``.
     events : Event or sequence of Event
         What is looked for, as for `simulate`.

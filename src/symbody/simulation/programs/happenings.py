@@ -256,7 +256,7 @@ def _jumps(motion: PosedMotion, functions: dict[str, ProgramFunction], block: Fl
     eqs = strike_equations(motion.eqs)
     functions[STRIKE] = function = program_function(motion, strike_outputs(eqs), STRIKE, eqs)
     numbers = function.array
-    if motion.modal is not None:  # friction is finite, and ropes strike afterwards
+    if motion.modal is not None:  # friction is finite, and ropes and stops strike afterwards
         np.asarray(FunctionNumbers(numbers).inputs)[-len(motion.modal.modes) :] = LOOSE
     strikes = strike_block(eqs, problem.scales, function.sizes, numbers)
     rows = jumps.rows((start, last))

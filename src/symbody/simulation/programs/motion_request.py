@@ -111,7 +111,7 @@ class PosedMotion:
     held : tuple of HeldValue
         What is held between samples, by its place in `input_names`.
     modal : ModalEquations, optional
-        The equations with the modes of joints and ropes as inputs, which are integrated then.
+        The equations with the modes of joints, ropes and stops as inputs, which are integrated then.
     modeless : EquationSet, optional
         The same with modes left open.
     """
@@ -215,7 +215,7 @@ def pose_motion(eqs: EquationSet, request: MotionRequest, laws: InputLaws) -> Po
 
 
 def with_modes(motion: PosedMotion) -> PosedMotion:
-    """Return a motion whose equations have modes as inputs, if joints stick or ropes go slack."""
+    """Return a motion whose equations have modes as inputs, if joints stick, ropes go slack or stops open."""
     problem = motion.integration.problem
     modal = modal_equations(problem.eqs)
     if not modal.modes:

@@ -20,7 +20,7 @@ function makeSimulation() {
     m.recorded = held === null ? null : new Float64Array(held[at.held.room] * width);
     const parameters = Float64Array.from(numbers.parameters.values);
     const inputs = new Float64Array(numbers.inputs.names.length);
-    // Nothing sticks and no rope is taut where states are closed; kernels show the modes of the motion.
+    // Nothing sticks and no gap is closed where states are closed; kernels show the modes of the motion.
     if (modes !== null) inputs.fill(1, modes[at.modes.first_input]);
     const state = Float64Array.from(numbers.start), first = Float64Array.from(numbers.start);
     const shown = new Float64Array(view.size);

@@ -218,7 +218,7 @@ def _may_be_fixed(eqs: EquationSet) -> bool:
 def _no_freedom(start: MotionStart) -> Iterator[Words]:
     problem, eqs = start.problem, start.problem.eqs
     slopes = np.asarray(start.first["jacobian"])
-    if len(slopes) < len(eqs.multiplier_names):  # ropes are slack
+    if len(slopes) < len(eqs.multiplier_names):  # ropes are slack, or stops open
         return
     rows = slopes / problem.scales.constraints(eqs)[:, np.newaxis] * problem.scales.displacements(eqs)
     if np.isfinite(rows).all() and not null_space(rows).shape[1]:

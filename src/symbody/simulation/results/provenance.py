@@ -42,7 +42,7 @@ class Provenance:
     tables : mapping of name to Table
         Laws of inputs that are tables.
     switches : bool
-        Whether the equations change on the way, by sticking joints or slack ropes.
+        Whether the equations change on the way, by sticking joints, slack ropes or open stops.
     held : HeldRecord, optional
         Values that were held between samples.
     substitutes : bool

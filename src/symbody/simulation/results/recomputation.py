@@ -26,7 +26,7 @@ from symbody.single_flight import SingleFlight
 Floats = NDArray[np.float64]
 Names = tuple[str, ...]
 
-# Outputs that follow from positions and speeds alone, whatever joints stick and ropes are slack.
+# Outputs that follow from positions and speeds alone, whatever joints stick and gaps are closed.
 _KINEMATIC: Final = ("frame r ", "frame R ", "frame v ", "frame w ")
 _ENERGIES: Final = ("energy", "kinetic_energy", "potential_energy")
 
@@ -80,7 +80,7 @@ class Recomputation(OutputEvaluator):
         kinematic = name.startswith(_KINEMATIC) or name in (*_ENERGIES, *self.coordinate_names)
         if self.provenance.switches and not kinematic:
             raise _unknown_output(
-                name, "joints stuck or ropes went slack during the motion, which changes the equations"
+                name, "joints stuck or gaps closed or opened during the motion, which changes the equations"
             )
 
     def _evaluator(self) -> Evaluator:

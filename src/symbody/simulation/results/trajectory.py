@@ -85,7 +85,7 @@ class Trajectory(SampleTable):
     signal_state_names : tuple of str
         The names of its rows.
     modes : tuple of ModeChange
-        (t, name, mode) of joints that stick and slip and of ropes: the first of each, then the changes.
+        (t, name, mode) of joints that stick and slip, ropes and stops: the first of each, then the changes.
 
     Examples
     --------
@@ -408,7 +408,7 @@ class Trajectory(SampleTable):
 
         Outputs that were not stored are computed by equations formed again from the model, when they are
         first read. Those that depend on an input whose law was a Python function are unknown, and so are
-        forces where joints stuck or ropes were slack.
+        forces where joints stuck, ropes were slack or stops closed.
 
         Parameters
         ----------

@@ -121,7 +121,7 @@ class Steps(Protocol):
 
     @property
     def modes(self) -> dict[str, str]:
-        """The modes of joints and ropes in which the last step ended; none where nothing switches."""
+        """The modes of joints, ropes and stops in which the last step ended; none where nothing switches."""
         ...
 
     def at_present(self) -> AbstractContextManager[None]:

@@ -87,7 +87,7 @@ class FmuSteps:
 
     @property
     def modes(self) -> dict[str, str]:
-        """The modes of joints and ropes in which the last step ended."""
+        """The modes of joints, ropes and stops in which the last step ended."""
         return self._inner.modes
 
     def at_present(self) -> AbstractContextManager[None]:

@@ -73,7 +73,7 @@ class HybridSteps(CompiledSteps):
     """Steps each of which is a short run of the compiled loop, with all that happens on its way.
 
     What goes on from step to step are the block of the motion, the sides of events, what was sampled, and the
-    modes of joints and ropes; these are decided anew where a step begins, as inputs may have jumped there.
+    modes of joints, ropes and stops; these are decided anew where a step begins: inputs may have jumped.
     """
 
     def __init__(self, problem: StepProblem, numbers: StepNumbers) -> None:
@@ -103,7 +103,7 @@ class HybridSteps(CompiledSteps):
 
     @property
     def modes(self) -> dict[str, str]:
-        """The modes of joints and ropes in which the last step ended."""
+        """The modes of joints, ropes and stops in which the last step ended."""
         return {} if self._modes is None else self._modes.record.present
 
     def at_present(self) -> AbstractContextManager[None]:

@@ -241,7 +241,7 @@ class Stepper(OwnCopies):
 
     @property
     def modes(self) -> dict[str, str]:
-        """The modes of joints that stick and slip and of ropes, by name, in which the last step ended."""
+        """The modes of joints that stick and slip, ropes and stops, by name, in which the last step ended."""
         return self._steps.modes
 
     @property

@@ -66,15 +66,20 @@ class Parts:
     lines: Mapping[str, int]
 
 
-def convert_robot(robot: Robot, floating_base: bool, symbolic: Collection[str]) -> Parts:
-    """Return the parts of the model of a robot.
+def convert_robot(
+    robot: Robot,
+    floating_base: bool,
+    symbolic: Collection[str],
+    limits: Mapping[str, object] | None = None,
+) -> Parts:
+    """Return the parts of the model of a robot; `limits` is the law of limits, None where they do nothing.
 
     Raises UsageError if `symbolic` names no link, or the base would float twice.
     """
     _check_symbolic(robot, symbolic)
     lumps, joints = lump_links(robot, set(symbolic))
     _check_base(robot, lumps[0], joints, floating_base)
-    draft = _Draft(robot, Naming(), floating_base)
+    draft = _Draft(robot, Naming(), floating_base, limits)
     draft.naming.take(*joint_coordinates("floating", BASE), *joint_speeds("floating", BASE))
     draft.place_links(lumps, set(symbolic))
     draft.name_joints(joints)
@@ -102,6 +107,7 @@ class _Draft:
     robot: Robot
     naming: Naming
     floats: bool
+    limits: Mapping[str, object] | None
     plans: list[tuple[Lump, BodyPlan]] = field(default_factory=list)
     homes: dict[str, tuple[BodyPlan, FramePlacement]] = field(default_factory=dict)
     links: dict[str, FrameRef] = field(default_factory=dict)
@@ -182,7 +188,16 @@ class _Draft:
         if joint.mimic is not None:
             _, factor, offset = _leader_law(joint, self.robot.joints)
             fixed = None if factor else offset
-        return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed)
+        limits = self._limits(joint)
+        return Moving(joint, name, self.symbols[joint.name], self.inputs(joint), start, end, fixed, limits)
+
+    def _limits(self, joint: UrdfJoint) -> Mapping[str, object] | None:
+        """Return the limits of a hinge or slide that moves by itself, if they are asked for."""
+        is_limited = joint.kind in ("revolute", "prismatic") and joint.mimic is None
+        if self.limits is None or joint.limit is None or not is_limited:
+            return None
+        ends = {"low": joint.limit.lower, "high": joint.limit.upper}
+        return {**self.limits, **{word: numeral(end or 0) for word, end in ends.items()}}
 
     def _stand(self, plan: BodyPlan, name: str, place: FramePlacement) -> FrameRef:
         self.frames.setdefault(plan.name, {})[name] = plan.frame(place)
@@ -366,6 +381,8 @@ class Moving:
         Efforts along its coordinates; none where it follows another or floats.
     fixed : number or None
         The value of a coordinate that never changes.
+    limits : mapping or None
+        The arguments of its limits.
     """
 
     joint: UrdfJoint
@@ -375,6 +392,7 @@ class Moving:
     start: FrameRef
     end: FrameRef
     fixed: Constant | None = None
+    limits: Mapping[str, object] | None = None
 
     def element(self) -> Joint:
         """Return the joint of the model."""
@@ -429,6 +447,7 @@ def _hinge_or_slide(moving: Moving) -> Joint:
         "coordinate": moving.symbol,
         "motion": None if moving.fixed is None else numeral(moving.fixed),
         "friction": Friction(force=numeral(joint.friction)) if joint.friction else None,
+        "limits": moving.limits,
     }
     is_driven = bool(applied or joint.damping)
     drive = Drive(applied=applied, damping=numeral(joint.damping)) if is_driven else None

@@ -39,6 +39,7 @@ def load_urdf(
     gravity: Iterable[Value] = (0, 0, -9.81),
     snap_angles: float = 0,
     loops: str | os.PathLike[str] | None = None,
+    limits: Mapping[str, object] | None = None,
 ) -> Model:
     """Return the model of a robot in a URDF file.
 
@@ -64,6 +65,9 @@ def load_urdf(
         Angles this near to a multiple of pi/12 are taken as that [rad]; nearer than 2e-11 they always are.
     loops : str or path, optional
         A TOML file of joints, constraints and springs in the syntax of the model file, between links.
+    limits : mapping, optional
+        Arguments of `Limits` besides low and high, such as ``{"rigid": True}``: all revolute and prismatic
+        joints that follow no other have the limits of the file. By default they move beyond them.
 
     Returns
     -------
@@ -90,7 +94,9 @@ def load_urdf(
     >>> eqs = sb.form_equations(robot)  # doctest: +SKIP
     """
     text = read_text(path)
-    return model_from_urdf(text, os.fsdecode(path), floating_base, symbolic, gravity, snap_angles, loops)
+    return model_from_urdf(
+        text, os.fsdecode(path), floating_base, symbolic, gravity, snap_angles, loops, limits
+    )
 
 
 def model_from_urdf(
@@ -101,11 +107,12 @@ def model_from_urdf(
     gravity: Iterable[Value] = (0, 0, -9.81),
     snap_angles: float = 0,
     loops: str | os.PathLike[str] | None = None,
+    limits: Mapping[str, object] | None = None,
 ) -> Model:
     """Return the model of a URDF text, which messages call `where`; faults as of `load_urdf`."""
     robot = robot_from_text(text, where, snap_angles)
     named = [symbolic] if isinstance(symbolic, str) else list(symbolic)
-    parts = convert_robot(robot, floating_base, named)
+    parts = convert_robot(robot, floating_base, named, limits)
     extra = NO_LOOPS if loops is None else read_loops(loops, parts)
     elements = [*extra.with_frames(parts.elements), *extra.elements]
     try:

@@ -360,6 +360,7 @@ def unsupported_problems(model: Model) -> list[Problem]:
                 "use save_model, which writes everything, or remove the element")
         for element in model.elements
         if not isinstance(element, Body | Joint | Gear | RackPinion)
+        or (isinstance(element, Gear) and element.backlash is not None)
     ]  # fmt: skip
 
 
@@ -377,6 +378,17 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
         )
     if joint.armature:
         yield _refusal(joint.name, "it has a rotor", "URDF cannot describe its inertia", "remove armature")
+    yield from _drive_problems(joint, values)
+    if joint.limits:
+        why = "its limits do not say what happens there"
+        yield _refusal(joint.name, "it has limits", why, "remove limits")
+    friction = joint.friction
+    if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
+        fix = "write friction = { force = .. }"
+        yield _refusal(joint.name, "its friction is not a constant force", "", fix)
+
+
+def _drive_problems(joint: Joint, values: Values) -> Iterator[Problem]:
     for path, _, drive in joint.drives_with_paths():
         applied = drive.applied.names
         if not (drive.applied.constant() == 0 or (len(applied) == 1 and drive.applied.text == applied[0])):
@@ -393,10 +405,6 @@ def _joint_problems(joint: Joint, values: Values) -> Iterator[Problem]:
             yield _refusal(joint.name, f"the damping {drive.damping} cannot be written",
                            "URDF has numbers, for joints with one coordinate",
                            "remove damping")  # fmt: skip
-    friction = joint.friction
-    if friction is not None and (friction.force is None or friction.is_smooth or friction.static is not None):
-        fix = "write friction = { force = .. }"
-        yield _refusal(joint.name, "its friction is not a constant force", "", fix)
 
 
 def _details(joint: Joint, values: Values, mimic: str | None) -> Iterator[str]:

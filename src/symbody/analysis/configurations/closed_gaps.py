@@ -1,7 +1,7 @@
-"""Ropes of a configuration or a state: which of them are constraints, and which are slack.
+"""Ropes and stops of a configuration or a state: which of them are constraints, and which are slack or open.
 
-Kinematic analyses take ropes at their length as constraints (`equations_with_ropes`); assembly takes those
-that pull.
+A rope at its length and a stop that touches have a gap of 0: kinematic analyses take these as constraints
+(`equations_with_closed_gaps`); assembly takes those that pull, or push.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.analysis.accelerations import complete_state
+from symbody.analysis.configurations.gap_words import gap_words
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
@@ -27,21 +28,21 @@ Floats = NDArray[np.float64]
 # From equations and fixed positions to a state in which their constraints hold.
 Attempt = Callable[[EquationSet, Mapping[str, float]], State]
 
-AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
-LOOSE: Final = 1e-7  # of its length: what assembly and continuation leave of a rope that is taut
+AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut; of a stop, of its size
+LOOSE: Final = 1e-7  # of the same: what assembly and continuation leave of a gap that is closed
 _MEASURES: Final = ("row_gap", "gap_scale")
 
 
-def assemble_with_ropes(
+def assemble_with_gaps(
     eqs: EquationSet,
     fixed: Mapping[str, float],
     guess: Mapping[str, float],
     attempt: Attempt,
     closed: Callable[[EquationSet], ConstraintEvaluator],
 ) -> State:
-    """Return a state in which no rope is longer than it is, and no taut one gets longer.
+    """Return a state in which no gap is negative, and no closed one becomes so.
 
-    Fixed speeds may have the ends of a taut rope move apart: a shock begins the motion.
+    Fixed speeds may close a gap that is closed already: an impact begins the motion.
 
     Parameters
     ----------
@@ -53,10 +54,10 @@ def assemble_with_ropes(
     Raises
     ------
     AssemblyError
-        If the mechanism does not close, or a rope is too short for the positions fixed.
+        If the mechanism does not close, or a gap is negative at the positions fixed.
     """
     positions, rates = closed(eqs).split_values(fixed)
-    loose = closed(with_taut(eqs, ()))
+    loose = closed(with_closed_gaps(eqs, ()))
     state = _place(loose, eqs, positions, attempt)
     search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
     complete = search.solve(state)
@@ -64,19 +65,19 @@ def assemble_with_ropes(
     return replace(complete, moved=places | dict(complete.moved))
 
 
-def with_taut(eqs: EquationSet, names: Collection[str]) -> EquationSet:
-    """Return equations in which only the ropes named are constraints; the others are slack."""
-    slack = tuple(name for name in unilateral_elements(eqs.formed) if name not in names)
-    if not slack:
+def with_closed_gaps(eqs: EquationSet, names: Collection[str]) -> EquationSet:
+    """Return equations in which only the ropes and stops named are constraints; the others are open."""
+    others = tuple(name for name in unilateral_elements(eqs.formed) if name not in names)
+    if not others:
         return eqs
-    # Kept with the equations, as their code is: the next state has the same ropes to look at.
-    loosened: EquationSet = eqs.plans.get(
-        ("slack ropes", slack), lambda: EquationSet(eqs.model, open_gaps(eqs.formed, slack), eqs.notes)
+    # Kept with the equations, as their code is: the next state has the same gaps to look at.
+    opened: EquationSet = eqs.plans.get(
+        ("open gaps", others), lambda: EquationSet(eqs.model, open_gaps(eqs.formed, others), eqs.notes)
     )
-    return loosened
+    return opened
 
 
-def slackness(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:
+def gap_shares(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:
     """Return the gap of each rope and stop over its scale: by how much a rope is slack, over its length."""
     names = unilateral_elements(evaluator.eqs.formed)
     if not names:
@@ -90,51 +91,54 @@ def slackness(evaluator: ConstraintEvaluator, q: Floats) -> dict[str, float]:
     }
 
 
-def equations_with_ropes(
+def equations_with_closed_gaps(
     eqs: EquationSet, q: Floats, parameters: Mapping[str, Value], t: float
 ) -> tuple[EquationSet, tuple[str, ...]]:
-    """Return equations with the ropes at their length at a configuration as constraints, and notes on it.
+    """Return equations with the gaps that are 0 at a configuration as constraints, and notes on it.
 
-    Whether a rope at its length pulls does not follow from positions; it is taken to.
+    Whether a rope at its length pulls, or a stop pushes, does not follow from positions; it is taken to.
     """
     if not unilateral_elements(eqs.formed):
         return eqs, ()
-    shares = slackness(constraint_evaluator(with_taut(eqs, ()), parameters, {}, t), q)
-    taut = [name for name, share in shares.items() if share <= AT_LENGTH]
-    notes = tuple(
-        f"rope {name} is at its full length and assumed taut, regardless of its tension"
-        if name in taut
-        else f"rope {name} is slack here by {share:.3g} of its length, so it constrains nothing"
-        for name, share in shares.items()
-    )
-    return with_taut(eqs, taut), notes
+    shares = gap_shares(constraint_evaluator(with_closed_gaps(eqs, ()), parameters, {}, t), q)
+    closed = [name for name, share in shares.items() if share <= AT_LENGTH]
+    notes = []
+    for name, share in shares.items():
+        words = gap_words(eqs, name)
+        notes.append(
+            f"{words.subject} is {words.at_gap_zero} and assumed {words.holds}, regardless of its "
+            f"{words.force}"
+            if name in closed
+            else f"{words.subject} is {words.open_by(share, 'here')}, so it constrains nothing"
+        )
+    return with_closed_gaps(eqs, closed), tuple(notes)
 
 
-def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
-    """Return notes on the ropes that an analysis of all configurations takes as taut."""
+def gap_assumptions(eqs: EquationSet) -> tuple[str, ...]:
+    """Return notes on the ropes and stops that an analysis of all configurations takes as taut or closed."""
     rows = {row.gap for row in eqs.formed.rows}
-    return tuple(
-        f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows
-    )
+    words = [gap_words(eqs, name) for name in unilateral_elements(eqs.formed) if name in rows]
+    return tuple(f"{each.subject} is assumed to be {each.holds}" for each in words)
 
 
-def ropes_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:
-    """Return a sentence on the ropes that are not as these equations have them; empty if all are.
+def gaps_out_of_place(eqs: EquationSet, evaluator: ConstraintEvaluator, q: Floats) -> str:
+    """Return a sentence on the ropes and stops that are not as these equations have them; empty if all are.
 
     Parameters
     ----------
     eqs : EquationSet
-        With taut ropes as constraints and without those that are slack.
+        With closed gaps as constraints and without those that are open.
     evaluator : ConstraintEvaluator
-        Measures the ropes.
+        Measures the gaps.
     """
-    taut = {row.gap for row in eqs.formed.rows}
+    closed = {row.gap for row in eqs.formed.rows}
     misplaced = []
-    for name, share in slackness(evaluator, q).items():
-        if name in taut and share > LOOSE:
-            misplaced.append(f"rope {name} is slack, by {share:.3g} of its length")
+    for name, share in gap_shares(evaluator, q).items():
+        words = gap_words(eqs, name)
+        if name in closed and share > LOOSE:
+            misplaced.append(f"{words.subject} is {words.open_by(share, ',')}")
         elif share < -LOOSE:
-            misplaced.append(f"the ends of rope {name} are farther apart than its length")
+            misplaced.append(words.too_far)
     return ", ".join(misplaced)
 
 
@@ -142,18 +146,18 @@ def _place(
     loose: ConstraintEvaluator, eqs: EquationSet, fixed: Mapping[str, float], attempt: Attempt
 ) -> State:
     """Return a state in which no gap is negative; its speeds do not matter."""
-    taut: list[str] = []
-    state = attempt(with_taut(eqs, taut), fixed)
+    closed: list[str] = []
+    state = attempt(with_closed_gaps(eqs, closed), fixed)
     while True:
-        shares = slackness(loose, np.array([*state.q.values()]))
-        longer = [name for name, share in shares.items() if name not in taut and share < -AT_LENGTH]
-        if not longer:
+        shares = gap_shares(loose, np.array([*state.q.values()]))
+        negative = [name for name, share in shares.items() if name not in closed and share < -AT_LENGTH]
+        if not negative:
             return state
-        taut += longer
+        closed += negative
         try:
-            state = attempt(with_taut(eqs, taut), fixed)
+            state = attempt(with_closed_gaps(eqs, closed), fixed)
         except AssemblyError as error:
-            problems = [_too_short(state, name, error) for name in longer]
+            problems = [_too_short(state, name, error) for name in negative]
             raise AssemblyError(*problems) from error
 
 
@@ -175,47 +179,47 @@ def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Speeds:
-    """The speeds at given positions, and which ropes they keep taut."""
+    """The speeds at given positions, and which gaps they keep closed."""
 
     eqs: EquationSet
     q: Floats
     rates: Mapping[str, float]
     guess: Mapping[str, float]
-    closed: Callable[[EquationSet], ConstraintEvaluator]
+    evaluate: Callable[[EquationSet], ConstraintEvaluator]
 
     def solve(self, state: State) -> State:
-        """Return the state with speeds and accelerations; the ropes that pull are its constraints."""
-        shares = slackness(self.closed(with_taut(self.eqs, ())), self.q)
+        """Return the state with speeds and accelerations; gaps with efforts are its constraints."""
+        shares = gap_shares(self.evaluate(with_closed_gaps(self.eqs, ())), self.q)
         near = [name for name, share in shares.items() if not share > AT_LENGTH]
-        u, apart = self._speeds(near)
-        taut = [name for name in near if abs(apart[name]) <= AT_REST]
+        u, closing = self._speeds(near)
+        closed = [name for name in near if abs(closing[name]) <= AT_REST]
         while True:
-            evaluator = self.closed(with_taut(self.eqs, taut))
+            evaluator = self.evaluate(with_closed_gaps(self.eqs, closed))
             result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
-            pushes = {name: -float(result[f"opening_effort {name}"]) for name in taut}
+            pushes = {name: -float(result[f"opening_effort {name}"]) for name in closed}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
                 return result
-            taut.remove(worst)
+            closed.remove(worst)
 
     def _speeds(self, near: list[str]) -> tuple[Floats, dict[str, float]]:
-        """Return speeds, and the rates at which the ends of ropes at their length move apart."""
-        taut: list[str] = []
+        """Return speeds, and the rates at which closed gaps become negative."""
+        closed: list[str] = []
         refused: set[str] = set()
-        u = self._consistent(taut)
+        u = self._consistent(closed)
         while True:
-            apart = self._apart(near, u)
-            longer = [n for n in near if apart[n] > AT_REST and n not in taut and n not in refused]
-            if not longer:
-                return u, apart
+            closing = self._closing_rates(near, u)
+            negative = [n for n in near if closing[n] > AT_REST and n not in closed and n not in refused]
+            if not negative:
+                return u, closing
             try:
-                u = self._consistent([*taut, longer[0]])
-                taut.append(longer[0])
+                u = self._consistent([*closed, negative[0]])
+                closed.append(negative[0])
             except AssemblyError:
-                refused.add(longer[0])
+                refused.add(negative[0])
 
-    def _consistent(self, taut: list[str]) -> Floats:
-        evaluator = self.closed(with_taut(self.eqs, taut))
+    def _consistent(self, closed: list[str]) -> Floats:
+        evaluator = self.evaluate(with_closed_gaps(self.eqs, closed))
         return solve_speeds(evaluator, self.q, self.rates, self._guessed_rates(evaluator))
 
     def _guessed_rates(self, evaluator: ConstraintEvaluator) -> dict[str, float]:
@@ -224,9 +228,9 @@ class _Speeds:
             name: x for name, x in evaluator.split_values(self.guess)[1].items() if name not in self.rates
         }
 
-    def _apart(self, names: list[str], u: Floats) -> dict[str, float]:
-        """Return the rates at which ends move apart, over the largest speed or the mechanism's own."""
-        evaluator = self.closed(with_taut(self.eqs, ()))
+    def _closing_rates(self, names: list[str], u: Floats) -> dict[str, float]:
+        """Return the rates at which gaps shrink, over the largest speed or the mechanism's own."""
+        evaluator = self.evaluate(with_closed_gaps(self.eqs, ()))
         mechanism, rates = evaluator.mechanism, np.abs(u / evaluator.speed_sizes)
         fastest = float(rates.max(initial=1.0 / mechanism.time))
         rates_of = {
