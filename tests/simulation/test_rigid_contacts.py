@@ -168,3 +168,9 @@ def test_a_box_that_comes_to_rest_by_bounces_stays_there() -> None:
     rest = run.t > 0.6
     assert np.ptp(run["x"][rest]) < 1e-9 and np.abs(run["z"][rest] - 0.15).max() < 1e-9
     assert np.abs(run.u[:, -1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("output", ["contact_force flor", "contact_force flor z", "slip flor", "gap flor"])
+def test_an_output_of_a_contact_that_is_not_there_is_no_zero(output: str) -> None:
+    with pytest.raises(sb.FormulationError, match="flor"):
+        sb.compile(ball_on_plane(0.2), output)

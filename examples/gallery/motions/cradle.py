@@ -4,10 +4,9 @@ Five balls of steel hang in a row, a hair apart. One is lifted and let go: the l
 high, comes back, and the first goes up again. The contacts are rigid and elastic, and as there is a hair
 between the balls each impact is that of two balls, which swap their speeds.
 
-Check: the first ball falls and the last one rises as the same pendulum would alone, `theta'' = -g/l sin(theta)`,
-half a swing each: their angles together are that pendulum's, whose period is `4 K(k) sqrt(l/g)` with
-`k = sin(theta0/2)` and K the complete elliptic integral of the first kind (Whittaker, Analytical Dynamics,
-section 44).
+Check: the first ball falls and the last one rises as the same pendulum would alone, half a swing each: their
+angles together are that pendulum's, whose period is `4 K sqrt(l/g)` with K the complete elliptic integral of
+the first kind at the modulus `sin(theta0/2)`: E. T. Whittaker, Analytical Dynamics, section 44.
 """
 
 import numpy as np
@@ -31,7 +30,8 @@ def model():
         parts += [
             sb.Body(f"Ball{k}", 0.25, frames={"top": sb.Frame((0, 0, LENGTH))},
                     shapes=[sb.Sphere(RADIUS, color="silver"), thread]),
-            sb.Revolute(f"swing{k}", f"ground.top{k}", f"Ball{k}.top", axis=(0, -1, 0), coordinate=f"theta{k}"),
+            sb.Revolute(f"swing{k}", f"ground.top{k}", f"Ball{k}.top", axis=(0, -1, 0),
+                        coordinate=f"theta{k}"),
         ]  # fmt: skip
     sphere = {"sphere": RADIUS}
     parts += [

@@ -5,10 +5,10 @@ a pendulum under an inverted pendulum; where the swinging foot comes down the le
 is an event. The foot swings through the floor once, in the middle of a step, which only a knee could avoid.
 
 Check: Newton's method on the state behind a step finds the gait, in which each step is as the one before. At
-a slope of 0.009 its angle is 0.200310900544, and what is off by a little is so by the factors 0.589 in
-magnitude at the next step: it is stable. M. Garcia, A. Chatterjee, A. Ruina, M. Coleman, The simplest walking
-model: stability, complexity, and scaling, J. Biomech. Eng. 120(2) (1998), from page 281; twelve digits by
-P. A. Bhounsule, Foot placement in the simplest slope walker (2014).
+a slope of 0.009 its angle is 0.200310900544. Its multipliers, by which small errors change from step to step,
+are 0.589 in magnitude, so that it is stable. M. Garcia, A. Chatterjee, A. Ruina, M. Coleman, The simplest
+walking model: stability, complexity, and scaling, J. Biomech. Eng. 120(2) (1998), from page 281; its
+digits by P. A. Bhounsule, Foot placement in the simplest slope walker (2014).
 """
 
 import numpy as np
@@ -65,7 +65,7 @@ def step(eqs, behind):
 
 
 def gait(eqs, guess=(0.2, -0.2)):
-    """Return the state that a step leads back to, by Newton's method, the factors of its errors and its time."""
+    """Return the state that a step leads back to, by Newton's method, its multipliers and its period."""
     behind = np.array(guess)
     for _ in range(8):
         ahead, t = step(eqs, behind)
@@ -80,7 +80,7 @@ def gait(eqs, guess=(0.2, -0.2)):
 
 
 def motion():
-    """Return some steps from a start that is not the gait, but near it."""
+    """Return eight steps of the gait."""
     eqs = sb.form_equations(model())
     behind, _, t = gait(eqs)
     return sb.simulate(
