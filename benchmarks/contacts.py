@@ -66,8 +66,9 @@ def measure(name: str, settings: Settings) -> Diagram:
                 for setting in choices:
                     answer = process.ask(f"{method}|{setting!r}", settings.limit)
                     points += _points(law, method, setting, answer.steps, exact)
-                    if answer.stopped:
-                        notes.append(f"{law}, {method} {setting:g}: {answer.stopped}")
+                    if answer.stopped or not answer.steps:
+                        why = answer.stopped or "the motion ends early"
+                        notes.append(f"{law}, {method} {setting:g}: {why}")
     return Diagram(points, notes)
 
 
