@@ -14,6 +14,7 @@ from rich.console import Console
 
 from benchmarks import (
     analyses,
+    contacts,
     couplings,
     derivation,
     evaluation,
@@ -51,6 +52,7 @@ BENCHMARKS: Final[Mapping[str, Callable[[Settings], Iterator[Table]]]] = Mapping
         "overhead": overhead.tables,
         "robots": robots.tables,
         "stiff": stiff.tables,
+        "contacts": contacts.tables,
         "sweep": sweep.tables,
         "pages": pages.tables,
         "rooms": rooms.tables,

@@ -45,6 +45,7 @@ PLAYED: Final[Mapping[str, str]] = {
     "hill_muscle": "the elbow would turn over",
     "rimless_wheel": "each landing is an event",
     "stick_slip": "its friction sticks",
+    "walker": "each landing is an event",
 }
 HEAD: Final = """# Gallery
 

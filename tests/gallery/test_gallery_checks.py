@@ -45,8 +45,10 @@ SIZES = {
     "stewart_platform": "MASS",
     "swash_plate": "TILT",
     "universal_joint": "BEND",
+    "backspin": "MU",
     "bicycle": "SPEED",
     "coin": "RADIUS",
+    "cradle": "LENGTH",
     "foucault": "LATITUDE",
     "governor": "SLEEVE",
     "gyroscope": "SPIN",
@@ -59,6 +61,7 @@ SIZES = {
     "single_track": "YAW",
     "stick_slip": "STATIC",
     "tumbling": "OFF",
+    "walker": "ANGLE",
 }
 FAST = {"crank_rocker", "planetary_gear", "stick_slip"}
 NAMES = [name if name in FAST else pytest.param(name, marks=pytest.mark.exhaustive) for name in sorted(SIZES)]

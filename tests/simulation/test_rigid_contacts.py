@@ -253,3 +253,27 @@ def test_the_mode_of_a_gap_is_open_or_closed() -> None:
     eqs = ball_on_plane(0.2)
     run = sb.simulate(eqs, 0.5, first(eqs, 0.3, (0, 0, 0), (0, 0, 0)))
     assert run["mode floor"][0] == 0.0 and run["mode floor"][-1] == float(LOOSE)
+
+
+def test_a_box_that_comes_to_rest_by_bounces_stays_there() -> None:
+    """Where its corners close for good the speeds change, and with them the direction in which it slips."""
+    inertia = 2.0 * (0.4**2 + 0.3**2) / 12
+    box = sb.Body("Box", mass=2, inertia=(inertia,) * 3)
+    floor = sb.Contact(
+        "floor", "ground", box, ["plane", {"box": [0.4, 0.2, 0.3]}], normal="rigid", restitution=0.3,
+        friction=sb.Friction(mu=0.5),
+    )  # fmt: skip
+    joint = sb.Planar("move", "ground", box, axis="y", coordinates=["z", "x", "tilt"])
+    model = sb.Model("box", [joint, floor], gravity=(0, 0, -G))
+    start = {"z": 0.6, "x": 0.0, "tilt": 0.5, "x_dot": 1.0, "tilt_dot": -1.0}
+    run = sb.simulate(sb.form_equations(model), 2.0, start, rtol=1e-10)
+    assert np.diff(run["energy"]).max() <= 1e-7 * run["energy"].max()
+    rest = run.t > 0.6
+    assert np.ptp(run["x"][rest]) < 1e-9 and np.abs(run["z"][rest] - 0.15).max() < 1e-9
+    assert np.abs(run.u[:, -1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("output", ["contact_force flor", "contact_force flor z", "slip flor", "gap flor"])
+def test_an_output_of_a_contact_that_is_not_there_is_no_zero(output: str) -> None:
+    with pytest.raises(sb.FormulationError, match="flor"):
+        sb.compile(ball_on_plane(0.2), output)

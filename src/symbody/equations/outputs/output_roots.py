@@ -49,6 +49,7 @@ from symbody.expr.language.formula import Formula
 from symbody.expr.opcodes import SYMBOL
 from symbody.expr.rewrite import symbols_of
 from symbody.expr.sequences.sequence import Roots
+from symbody.model.contacts.contact import Contact
 from symbody.model.output_names import (
     DERIVATIVE_GROUPS,
     FRAME_OUTPUT,
@@ -280,6 +281,9 @@ def _contact_force(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "contact_force C", or one component: of a rigid one by its rows and friction."""
     if f"contact_force {words[0]} z" in formed.loads.measures:
         return _measured_vector(formed, words, "contact_force", "xyz")
+    contacts = (each.name for each in formed.topology.model.elements if isinstance(each, Contact))
+    if words[0] not in contacts:
+        return _expression(formed, " ".join(("contact_force", *filter(None, words))))
     force = rigid_force(formed, words[0])
     if any(words[1:]):
         return (), [force["xyz".index(words[1])]]

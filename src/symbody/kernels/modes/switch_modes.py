@@ -50,31 +50,77 @@ def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float
         return FUNCTION_FAULT
     note_rates(modes, x)
     is_struck = are_struck(modes)
+    code = SETTLED
     if is_struck == 1:
-        code = strike_gaps(d, modes, Z, t, x)
-        if code != SETTLED:
-            return code
-        if measure(d, modes, t, x) != 0:
-            return FUNCTION_FAULT
-        forget_modes(modes)
+        code = strike_and_measure(d, modes, Z, t, x)
     copy(modes.states, x, modes.fitted)
-    open_elements(modes, 0)
-    choose_direction(modes)
-    code = decide(modes)
-    if modes.ropes > 0 and code == ONE and open_elements(modes, 1) == 1:
-        code = decide(modes)
-    modes.verdict = code
-    if code != ONE:
-        return NO_MODES
-    note_shares(modes)
-    is_new = take_modes(modes)
+    is_new = 0
     rest = 0.0
-    if is_struck == 1:
-        rest = rest_of_impacts(modes)
-    code = fit_speeds(d, w, modes, t, x)
+    wrong = 1  # gaps that close change the speeds: what slips may slip the other way then
+    for turn in range(modes.count + 2):
+        if wrong == 1 and code == SETTLED:
+            code = decide_at_speeds(modes)
+            if code == SETTLED:
+                is_new = max(is_new, take_modes(modes))
+                if is_struck == 1 and turn == 0:
+                    rest = rest_of_impacts(modes)
+                note_slips(modes)
+                code = fit_speeds(d, w, modes, t, x)
+                wrong = slip_back(modes)
+    if code == SETTLED and wrong == 1:
+        return NO_SPEEDS
     if code == SETTLED and is_new == 1:
         record(modes, Z, DECIDED, t + rest, modes.fitted, 0.0)
     return code
+
+
+def strike_and_measure(d: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
+    """Let gaps that close strike, and measure the state behind it; modes so far do not matter there."""
+    code = strike_gaps(d, modes, Z, t, x)
+    if code == SETTLED:
+        if measure(d, modes, t, x) != 0:
+            return FUNCTION_FAULT
+        forget_modes(modes)
+    return code
+
+
+def decide_at_speeds(modes: ModeSwitch) -> int:
+    """Decide the modes at the speeds that were measured last."""
+    open_elements(modes, 0)
+    choose_direction(modes)
+    verdict = decide(modes)
+    if modes.ropes > 0 and verdict == ONE and open_elements(modes, 1) == 1:
+        verdict = decide(modes)
+    modes.verdict = verdict
+    if verdict != ONE:
+        return NO_MODES
+    note_shares(modes)
+    return SETTLED
+
+
+def note_slips(modes: ModeSwitch) -> None:
+    """Note how fast each element slips along its mode before the speeds are changed to fit the modes."""
+    for k in range(modes.count):
+        modes.kept[k] = slip_along(modes.elements[k])
+
+
+def slip_back(modes: ModeSwitch) -> int:
+    """Return 1 if something slips against its mode because the speeds were changed, else 0."""
+    for k in range(modes.count):
+        element = modes.elements[k]
+        slow = slow_rate(modes, element)
+        if slip_along(element) < -slow and not modes.kept[k] < -slow:
+            return 1
+    return 0
+
+
+def slip_along(element: SwitchingElement) -> float:
+    """Return how fast an element slips as its mode says; 0 for one that does not slip."""
+    if element.is_rope != 0.0 or element.mode == HOLDS or element.absent != 0.0:
+        return 0.0
+    if element.rows == 2:
+        return element.rate * element.ahead + element.across * element.aside
+    return float(element.mode) * element.rate
 
 
 def find_long_rope(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
