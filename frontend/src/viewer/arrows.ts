@@ -112,13 +112,16 @@ export class VectorArrows implements Layer {
   /** A factor of all lengths, chosen by the user. */
   factor = 1;
   /** Where the last drawn arrows end. */
-  readonly tips: Vector3[];
+  private readonly tips: Vector3[];
+  /** Whether contacts touch; other vectors act always, be they zero. */
+  private readonly acts: boolean[];
   /** Whether torques curl: in the plane of a planar mechanism. */
   readonly curled: boolean;
   private readonly arrows: ArrowMeshes;
   private readonly curls: Curls;
   private readonly scales: Record<VectorKind, number>;
   private readonly components = new Float64Array(3);
+  private readonly place = new Float64Array(3);
   private readonly start = new Vector3();
   private readonly along = new Vector3();
 
@@ -134,10 +137,16 @@ export class VectorArrows implements Layer {
       torque: arrowScale(largestMagnitude(vectors, "torque"), scene.size),
     };
     this.tips = vectors.map(() => new Vector3());
+    this.acts = vectors.map(() => true);
     this.curled = scene.normal !== null;
     this.curls = new Curls(vectors.length, 0.45 * scene.size, store);
     this.object.add(this.arrows.object, this.curls.mesh);
     this.paint("", "");
+  }
+
+  /** Return where an arrow ends, or null where none is drawn, as of a contact that does not touch. */
+  tip(index: number): Vector3 | null {
+    return this.isShown(index) && this.acts[index] === true ? this.tips[index]! : null;
   }
 
   isShown(index: number): boolean {
@@ -158,8 +167,13 @@ export class VectorArrows implements Layer {
       this.curls.hide(index);
       if (!this.isShown(index)) continue;
       this.source.vectorAt(index, instant.time, this.components);
-      anchorPoint(vector.anchor, instant, this.start);
+      if (vector.places === null) anchorPoint(vector.anchor, instant, this.start);
+      else {
+        this.source.placeAt(index, instant.time, this.place);
+        this.start.fromArray(this.place);
+      }
       this.along.fromArray(this.components).multiplyScalar(this.scales[vector.kind] * this.factor);
+      this.acts[index] = vector.places === null || this.along.lengthSq() > 0;
       const tip = this.tips[index]!.addVectors(this.start, this.along);
       if (this.curled && vector.kind === "torque") this.curls.set(index, this.start, this.along, tip);
       else this.arrows.set(index, this.start, this.along, vector.kind === "torque");

@@ -46,7 +46,7 @@ export class Contents {
     this.axes = new FrameAxes(scene, this.store);
     this.joints = new JointMarks(scene, this.store);
     this.traces = new Traces(scene, source, counts);
-    this.ground = new Ground(scene, this.extent.box);
+    this.ground = new Ground(scene, this.extent);
     this.layers = [this.ground, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
     this.store.tidy();
   }

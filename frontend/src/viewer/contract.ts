@@ -91,6 +91,8 @@ export interface MotionVector {
   readonly kind: VectorKind;
   readonly anchor: Anchor;
   readonly values: Float32Array;
+  /** Where it acts in ground's axes, if that moves on its body, as points of contact do. */
+  readonly places: Float32Array | null;
 }
 
 export interface MotionEvent {

@@ -165,10 +165,12 @@ function readCurve(data: Reader, count: number): MotionCurve {
 }
 
 function readVector(data: Reader, count: number, bodies: number): MotionVector {
+  const places = data.field("places");
   return {
     name: data.field("name").text(),
     kind: data.field("kind").choice(VECTOR_KINDS),
     anchor: readAnchor(data.field("anchor"), bodies),
     values: data.field("values").floats(count * 3),
+    places: places.isNull ? null : places.floats(count * 3),
   };
 }

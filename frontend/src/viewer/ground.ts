@@ -1,10 +1,11 @@
 /** The ground: a floor with a grid that fades into the distance, under the mechanism or behind a planar one, and its shadows. */
 
-import { Color, DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, ShadowMaterial, Vector3, type Box3 } from "three";
+import { Color, DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, ShadowMaterial, Vector3 } from "three";
 import { roundDown } from "./arrow_scale";
 import type { Scene } from "./contract";
 import type { Layer } from "./layer";
 import type { Theme } from "./palette";
+import { floorNormal, type Extent } from "./paths";
 
 const VERTEX = `
 varying vec2 place;
@@ -50,14 +51,14 @@ export class Ground implements Layer {
   private readonly toPlane: Quaternion;
   private readonly level: Vector3;
 
-  constructor(scene: Scene, box: Box3) {
+  constructor(scene: Scene, { box, level }: Extent) {
     const center = box.getCenter(new Vector3());
     const extent = box.getSize(new Vector3()).length();
     this.spacing = roundDown(extent / 10);
     const reach = 2 * extent;
-    const normal = new Vector3(...(scene.normal ?? scene.up)).normalize();
+    const normal = floorNormal(scene);
     const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal);
-    const below = lowest(box, normal) - 0.004 * scene.size;
+    const below = level - 0.004 * scene.size;
     const place = center.clone().addScaledVector(normal, below - center.dot(normal));
     const inPlane = place.clone().applyQuaternion(turn.clone().invert());
     const material = new ShaderMaterial({
@@ -118,12 +119,4 @@ export class Ground implements Layer {
     this.floor.material.dispose();
     this.shade.material.dispose();
   }
-}
-
-/** Return the least coordinate of a box along a direction. */
-function lowest(box: Box3, direction: Vector3): number {
-  const x = direction.x > 0 ? box.min.x : box.max.x;
-  const y = direction.y > 0 ? box.min.y : box.max.y;
-  const z = direction.z > 0 ? box.min.z : box.max.z;
-  return direction.x * x + direction.y * y + direction.z * z;
 }

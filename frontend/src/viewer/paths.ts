@@ -91,6 +91,8 @@ export interface Extent {
   readonly box: Box3;
   /** Whether the mechanism goes far: then the points are those of a camera that goes along with its centre. */
   readonly roams: boolean;
+  /** The least height of all that is seen, across the plane of a planar mechanism: that of its floor. */
+  readonly level: number;
 }
 
 /** Write the mean place of all bodies but the ground, by their mass [m]. */
@@ -125,7 +127,8 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
     if (index === 0) atStart = moving.length;
   });
   if (!isTied(scene) && diagonal(moving) > FAR * diagonal(carried)) {
-    return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true };
+    const level = lowest([...moving, ...carried], floorNormal(scene)); // nothing that falls passes the floor
+    return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true, level };
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
   const seen = aboveBase(scene, ground, moving, atStart);
@@ -137,7 +140,8 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
     box.expandByScalar(0.5 * scene.size);
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
-  return { points: new Float32Array(points), box, roams: false };
+  const level = lowest(boxCorners(box).flatMap((each) => each.toArray()), floorNormal(scene));
+  return { points: new Float32Array(points), box, roams: false, level };
 }
 
 /**
@@ -151,6 +155,11 @@ function aboveBase(scene: Scene, ground: number[], moving: number[], atStart: nu
   const foot = Math.min(base, lowest(moving.slice(0, atStart), up));
   if (base - foot > STANDS * scene.size) return moving;
   return moving.filter((_, at) => height(moving, at - (at % 3), up) >= foot);
+}
+
+/** Return the unit vector across the floor: upwards, or towards who looks at a planar mechanism. */
+export function floorNormal(scene: Scene): Vector3 {
+  return new Vector3(...(scene.normal ?? scene.up)).normalize();
 }
 
 /** Return the least height of points (N, 3). */

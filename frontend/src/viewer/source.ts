@@ -21,6 +21,8 @@ export interface StateSource {
   poseAt(time: number, pose: Pose): void;
   /** Write the components (3) of a vector at a time, in ground's axes. */
   vectorAt(index: number, time: number, components: Float64Array): void;
+  /** Write where a vector with places acts (3) at a time, in ground's axes. */
+  placeAt(index: number, time: number, place: Float64Array): void;
 }
 
 /** Return a pose with every body at the origin. */
@@ -83,13 +85,21 @@ export class StoredMotion implements StateSource {
   }
 
   vectorAt(index: number, time: number, components: Float64Array): void {
+    this.mix(this.vectors[index]!.values, time, components);
+  }
+
+  placeAt(index: number, time: number, place: Float64Array): void {
+    const { places } = this.vectors[index]!;
+    if (places !== null) this.mix(places, time, place);
+  }
+
+  private mix(values: Float32Array, time: number, into: Float64Array): void {
     const before = sampleBefore(this.times, time);
     const weight = this.weight(before, time);
     const after = Math.min(before + 1, this.times.length - 1);
-    const { values } = this.vectors[index]!;
     for (let axis = 0; axis < 3; axis += 1) {
       const from = values[3 * before + axis]!;
-      components[axis] = from + weight * (values[3 * after + axis]! - from);
+      into[axis] = from + weight * (values[3 * after + axis]! - from);
     }
   }
 
@@ -185,6 +195,10 @@ export class LiveSource implements StateSource {
   vectorAt(index: number, time: number, components: Float64Array): void {
     if (!this.shown) this.base.vectorAt(index, time, components);
     else for (let axis = 0; axis < 3; axis += 1) components[axis] = this.liveVectors[3 * index + axis]!;
+  }
+
+  placeAt(index: number, time: number, place: Float64Array): void {
+    this.base.placeAt(index, time, place);
   }
 }
 

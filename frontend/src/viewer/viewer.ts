@@ -313,7 +313,7 @@ export class Viewer {
 
   /** Where a vector's arrow ends, or null where it isn't drawn. */
   vectorTip(index: number): Vector3 | null {
-    return this.arrows.isShown(index) ? this.arrows.tips[index]! : null;
+    return this.arrows.tip(index);
   }
 
   /** Draw; return whether the camera still moves. */

@@ -221,6 +221,8 @@ _ALL: Final = (
                "m, rad", (_elements("gap", "C"),), choose_unit=_gap_unit),
     OutputKind("contact_force", CONTACTS, "force of a contact on its end, in the axes of its frame", "N",
                (_elements("contact_force", "C"), EntryWord("[x]", lambda _: _VECTOR)), "3"),
+    OutputKind("contact_point", CONTACTS, "where that force acts, from its start in the axes of that", "m",
+               (_elements("contact_point", "C"), EntryWord("[x]", lambda _: _VECTOR)), "3"),
     OutputKind("slip", CONTACTS, "velocity of its end relative to its start across the normal, where the gap "
                "is least", "m/s", (_elements("slip", "C"), EntryWord("[x]", lambda _: _VECTOR[:2])), "2"),
     OutputKind("opening_effort", CONTACTS, "effort with which a closed stop opens its gap", "N, N m", _STOP,

@@ -4,6 +4,7 @@ import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
   referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
+import { contactFields } from "./contacts";
 import { withoutInitialOf } from "./coordinates";
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
@@ -83,7 +84,8 @@ export function addElement(
   const list = isArray(items) ? items : [];
   const id = `${element.section}/${list.length}`;
   const before = withLayout(data);
-  const plain = (): Model => withValue(before, `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
+  const usual = element.section === "contact" ? contactFields(data, ends) : {};
+  const plain = (): Model => withValue(before, `/${element.section}`, [...list, { ...newEntry(schema, element, name, ends), ...usual }]);
   const body = (): Model => besideOthers(withTemplate(before, element.type) ?? plain(), joinedBodies(before));
   const added = element.section === "body" ? body() : plain();
   const graph = diagramOf(added);

@@ -18,7 +18,15 @@ export type FieldKind =
   | { readonly kind: "map"; readonly node: SchemaNode; readonly names: readonly string[] }
   | { readonly kind: "list" }
   | { readonly kind: "entries"; readonly node: SchemaNode }
-  | { readonly kind: "law"; readonly curve: SchemaNode };
+  | { readonly kind: "law"; readonly curve: SchemaNode }
+  | { readonly kind: "shapes"; readonly kinds: readonly ShapeKind[] }
+  | { readonly kind: "variant"; readonly words: readonly string[]; readonly node: SchemaNode };
+
+/** A kind of shape, and what its sizes are called. */
+export interface ShapeKind {
+  readonly word: string;
+  readonly sizes: readonly string[];
+}
 
 /** What a table acts with, where units differ: the force or the torque of a joint. */
 export type Acting = "force" | "torque" | "";
@@ -110,12 +118,25 @@ function referenceLabels(key: string, node: SchemaNode): readonly string[] {
 function mixedControl(choices: readonly SchemaNode[]): FieldKind {
   const object = choices.find((each) => each["type"] === "object");
   if (choices.some((each) => isArray(each["enum"])) && choices.some((each) => each["type"] === "array")) return { kind: "axis" };
-  if (object !== undefined && choices.some((each) => each["type"] === "boolean")) return { kind: "tree" };
-  if (object !== undefined && choices.some(isFormula)) return { kind: "law", curve: object };
+  const words = wordsOf(choices);
+  if (words.length > 0 && choices.some((each) => each["type"] === "array")) return { kind: "axis" };
+  if (object !== undefined) return tableControl(choices, words, object);
   if (choices.some(isFormula)) return { kind: "formulas" };
   const array = choices.find((each) => each["type"] === "array" && typeof each["minItems"] === "number");
   if (array !== undefined) return { kind: "vector", labels: Array.from({ length: Number(array["minItems"]) }, (_, index) => ["x", "y", "z", "x", "y", "z"][index] ?? "") };
   return { kind: "json" };
+}
+
+/** Return the control of a field that accepts a table or something else. */
+function tableControl(choices: readonly SchemaNode[], words: readonly string[], table: SchemaNode): FieldKind {
+  if (words.length > 0) return { kind: "variant", words, node: table };
+  if (choices.some((each) => each["type"] === "boolean")) return { kind: "tree" };
+  return choices.some(isFormula) ? { kind: "law", curve: table } : { kind: "json" };
+}
+
+/** Return the words among the choices. */
+function wordsOf(choices: readonly SchemaNode[]): string[] {
+  return choices.flatMap((each) => (isArray(each["enum"]) ? each["enum"].map(textOf) : []));
 }
 
 function singleControl(schema: JsonObject, node: SchemaNode, description: string): FieldKind {
@@ -151,8 +172,19 @@ function arrayControl(schema: JsonObject, node: SchemaNode, description: string)
   return hasType(item, "string") ? { kind: "names" } : { kind: "json" };
 }
 
+/** Return the kinds of shapes: words of their own, and keys of tables with one entry; none where the choices are others. */
+function shapeKinds(choices: readonly SchemaNode[]): ShapeKind[] {
+  const table = choices.find((each) => each["type"] === "object" && each["maxProperties"] === 1);
+  if (table === undefined || !isObject(table["properties"])) return [];
+  const plain = wordsOf(choices);
+  const sized = Object.entries(table["properties"]).map(([word, node]) => ({ word, sizes: isObject(node) ? textOf(node["title"]).split(", ") : [] }));
+  return [...plain.map((word) => ({ word, sizes: [] })), ...sized];
+}
+
 /** Return the control of so many values of one form. */
 function fixedControl(item: SchemaNode, inner: readonly SchemaNode[], description: string, count: number): FieldKind {
+  const kinds = shapeKinds(inner);
+  if (kinds.length > 0) return { kind: "shapes", kinds };
   if (inner.length > 1) return { kind: "axes", count };
   if (isFormula(item) || hasType(item, "number")) return { kind: "vector", labels: componentLabels(description, count) };
   if (item["type"] === "array") return { kind: "matrix", rows: count, columns: Number(item["minItems"] ?? count) };

@@ -1,6 +1,7 @@
 /** The fields of a form, each by what the schema says of it. */
 
 import type { ReactElement } from "react";
+import { USUAL_LAW } from "../model/contacts";
 import { allReferences, entriesOf, entryOfPointer, GROUND, textOf } from "../model/entries";
 import { fieldsOf, type Acting, type Field as FieldOf, type FieldKind } from "../model/fields";
 import { isArray, isObject, joinPointer } from "../model/pointers";
@@ -9,6 +10,7 @@ import { acceptName, acceptSymbol } from "../rename_command";
 import { endGesture, useStore } from "../store";
 import type { Json } from "../types";
 import { AxesControl, AxisControl, MatrixControl } from "./axis_control";
+import { ShapesControl, VariantControl } from "./contact_controls";
 import { EntriesControl } from "./entries_control";
 import { FieldFrame, FieldGroup, useProblems } from "./field_frame";
 import { Choice, FormulaInput, LiveInput, NameInput, setValue, VectorInput } from "./inputs";
@@ -157,6 +159,8 @@ const GROUPED_CONTROLS: { readonly [K in FieldKind["kind"]]?: (props: FieldProps
   map: ({ field, pointer, value }, { node, names }) => names.length > 0 ? <NamedFormulas pointer={pointer} value={isObject(value) ? value : {}} names={names} label={field.label} /> : <MapControl pointer={pointer} node={node} value={isObject(value) ? value : {}} field={field} Fields={Fields} />,
   entries: ({ field, pointer, value }, { node }) => <EntriesControl pointer={pointer} node={node} value={isArray(value) ? value : []} label={field.label} Fields={Fields} />,
   list: ({ field, pointer, value }) => <ListControl pointer={pointer} value={isArray(value) ? value : []} label={field.label} />,
+  shapes: ({ field, pointer, value }, { kinds }) => <ShapesControl pointer={pointer} value={isArray(value) ? value : []} kinds={kinds} label={field.label} />,
+  variant: ({ field, pointer, value }, { words, node }) => <VariantControl pointer={pointer} value={value} words={words} node={node} usual={USUAL_LAW} label={field.label} Fields={Fields} />,
   law: ({ field, pointer, value }, { curve }) => <LawControl pointer={pointer} value={value} curve={curve} label={field.label} Fields={Fields} />,
 };
 

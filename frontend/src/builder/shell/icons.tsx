@@ -57,6 +57,8 @@ const PATHS: Readonly<Record<string, string>> = {
   gear: "M10 6a4 4 0 1 0 0 8 4 4 0 0 0 0-8M10 2v3M10 15v3M2 10h3M15 10h3M4.500 4.500l2 2M13.500 13.500l2 2M15.500 4.500l-2 2M6.500 13.500l-2 2",
   belt: "M6 6a4 4 0 1 0 0 8h8a4 4 0 1 0 0-8zM6 9.500v1M14 9.500v1",
   rolling: "M10 3a6 6 0 1 0 0 12 6 6 0 0 0 0-12M10 9V5M2 16h16",
+  contact: "M10 2a5 5 0 1 0 0 10 5 5 0 0 0 0-10M2 13h16M4 17l2-4M9 17l2-4M14 17l2-4",
+  stop: "M2 10h9M8 7l3 3-3 3M14 3v14M14 5l3 2M14 10l3 2M14 15l3 2",
   distance: "M3 6v8M17 6v8M3 10h14M6 7l-3 3 3 3M14 7l3 3-3 3",
   equation: "M4 8h12M4 12h12",
   signal: "M2 10c2-8 4-8 6 0s4 8 6 0 3-6 4-6",

@@ -9,6 +9,8 @@ from symbody.equations.contacts.contact_geometry import (
     ContactGeometry,
     RelativeVelocity,
     at_least_gap,
+    choose,
+    is_less,
     least_gap,
     relative_velocity,
 )
@@ -21,6 +23,7 @@ from symbody.equations.kinematics.variables import JointRole
 from symbody.expr.expression import Expr, number
 from symbody.model.contacts.contact import Contact
 from symbody.model.contacts.normal_force import NormalForce
+from symbody.spatial.matrix import Triple
 from symbody.spatial.vector import ZERO, Vector, components, cross, dot, vector
 
 
@@ -56,11 +59,17 @@ def _contact_law(contact: Contact, names: Names, kinematics: Kinematics, roles: 
     if not isinstance(contact.normal, NormalForce):  # rigid: rows and friction laws are its forces
         velocities = [relative_velocity(kinematics, frames, geometry, touch) for touch in geometry.touches]
         still = number(names.graph, 0)
-        return Law((), still, still, measures=_measures(contact.name, kinematics, geometry, velocities))
+        measures = _measures(contact.name, kinematics, geometry, velocities)
+        for letter, place in zip(
+            "xyz", zip(*_places(kinematics, frames[0], geometry), strict=True), strict=True
+        ):
+            measures[f"touch {contact.name} {letter}"] = at_least_gap(geometry.touches, place)
+            measures |= {f"touch {contact.name} {k} {letter}": each for k, each in enumerate(place, start=1)}
+        return Law((), still, still, measures=measures)
     loads: list[Load] = []
     without_potential: list[Load] = []
     energy = power = number(names.graph, 0)
-    reach, total, velocities = kinematics.position(*frames), ZERO, []
+    reach, total, velocities, pressing = kinematics.position(*frames), ZERO, [], []
     for touch in geometry.touches:
         velocity = relative_velocity(kinematics, frames, geometry, touch)
         acting = _touch_force(contact, contact.normal, names, kinematics, geometry, touch.gap, velocity)
@@ -70,10 +79,39 @@ def _contact_law(contact: Contact, names: Names, kinematics: Kinematics, roles: 
         without_potential += opposite_forces(frames, reach, touch.point, rest)
         energy, power, total = energy + acting.energy, power + acting.power, total + force
         velocities.append(velocity)
+        pressing.append(acting.normal)
     measures = _measures(contact.name, kinematics, geometry, velocities)
     for letter, axis in zip("xyz", geometry.axes(kinematics), strict=True):
         measures[f"contact_force {contact.name} {letter}"] = dot(kinematics.tree, axis, total)
+    places = _places(kinematics, frames[0], geometry)
+    for letter, place in zip("xyz", zip(*places, strict=True), strict=True):
+        least = at_least_gap(geometry.touches, place)
+        measures[f"contact_point {contact.name} {letter}"] = centre_of_pressure(pressing, place, least)
     return Law(tuple(loads), energy, power, tuple(without_potential), measures=measures)
+
+
+def centre_of_pressure(pressing: Sequence[Expr], places: Sequence[Expr], otherwise: Expr) -> Expr:
+    """Return the mean of some places by the forces along the normal there; another where there are none.
+
+    Parameters
+    ----------
+    pressing : sequence of Expr
+        The forces, not negative [N].
+    places : sequence of Expr
+        A component of each place [m].
+    """
+    if len(places) == 1:
+        return places[0]
+    total = moment = number(otherwise.graph, 0)
+    for force, place in zip(pressing, places, strict=True):
+        total, moment = total + force, moment + force * place
+    presses = is_less(number(otherwise.graph, 0), total)
+    return choose(presses, moment / choose(presses, total, number(otherwise.graph, 1)), otherwise)
+
+
+def _places(kinematics: Kinematics, start: str, geometry: ContactGeometry) -> list[Triple]:
+    """Return the points of contact from start's origin, in its axes."""
+    return [components(kinematics.tree, touch.point, start) for touch in geometry.touches]
 
 
 def _touch_force(

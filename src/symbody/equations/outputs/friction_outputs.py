@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
+from symbody.equations.loads.contacts import centre_of_pressure
 from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.friction_solution import normal_load
 from symbody.equations.solving.solution import resistance
@@ -13,6 +14,7 @@ from symbody.equations.solving.unilateral import (
     effort_of,
     gap_of,
     gap_scale,
+    row_number,
     unilateral_elements,
     unilateral_row,
 )
@@ -147,6 +149,21 @@ def rigid_force(formed: EquationsOfMotion, contact: str) -> list[Expr]:
         if row.element == contact and row.sense:
             force[2] = force[2] + effort_of(row)
     return force
+
+
+def rigid_point(formed: EquationsOfMotion, contact: str) -> list[Expr]:
+    """Return where the force of a rigid contact acts, from start's origin in its axes."""
+    measures = formed.loads.measures
+    rows = [row for row in formed.rows if row.element == contact and row.sense]
+    pressing = [effort_of(row) for row in rows]
+    return [
+        centre_of_pressure(
+            pressing,
+            [measures[f"touch {contact} {row_number(row.name)} {letter}"] for row in rows],
+            measures[f"touch {contact} {letter}"],
+        )
+        for letter in "xyz"
+    ]
 
 
 def gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:

@@ -26,6 +26,7 @@ from symbody.equations.outputs.friction_outputs import (
     mode_output,
     opening_effort,
     rigid_force,
+    rigid_point,
     slip_along,
 )
 from symbody.equations.outputs.joint_outputs import effort_output, reaction_output, total_power
@@ -290,6 +291,16 @@ def _contact_force(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     return (len(force),), force
 
 
+def _contact_point(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
+    """Return the output "contact_point C", or one component: of a rigid one by its rows."""
+    if f"contact_point {words[0]} z" in formed.loads.measures:
+        return _measured_vector(formed, words, "contact_point", "xyz")
+    place = rigid_point(formed, words[0])
+    if any(words[1:]):
+        return (), [place["xyz".index(words[1])]]
+    return (len(place),), place
+
+
 def _gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "gap C": of a contact what its law reads, of a stop its row."""
     name = f"gap {words[0]}"
@@ -394,6 +405,7 @@ MAKERS: Final = _for_all_kinds(
         "rope_size": gap_acceleration_size,
         "gap": _gap,
         "contact_force": _contact_force,
+        "contact_point": _contact_point,
         "slip": partial(_measured_vector, first="slip", letters="xy"),
         "opening_effort": opening_effort,
         "gap_dot": gap_rate,

@@ -22,11 +22,11 @@ def unilateral_elements(formed: EquationsOfMotion) -> tuple[str, ...]:
         return ()
     order = {part.name: k for k, part in enumerate(formed.topology.model.constraints)}
     return tuple(
-        row.gap for row in sorted(rows.values(), key=lambda row: (order[row.element], _number(row.name)))
+        row.gap for row in sorted(rows.values(), key=lambda row: (order[row.element], row_number(row.name)))
     )
 
 
-def _number(multiplier: str) -> int:
+def row_number(multiplier: str) -> int:
     """Return which of the rows of its element a multiplier belongs to."""
     return int(multiplier.rpartition("_")[2])
 

@@ -54,7 +54,7 @@ class Contact(Connection):
     equation: ClassVar[str] = "`normal` along the normal, -mu N v/sqrt(v^2 + v0^2) across it"
     sign: ClassVar[str] = "on end, in the axes of its frame: z along the normal, from start to end"
     outputs: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
-        {"gap": ("",), "contact_force": ("",), "slip": ("",)}
+        {"gap": ("",), "contact_force": ("",), "contact_point": ("",), "slip": ("",)}
     )
     group: ClassVar[str] = "Contacts"
     kind: ClassVar[str] = "contact"

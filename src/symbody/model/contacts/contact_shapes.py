@@ -168,7 +168,9 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
         table = {
             "type": "object",
             "properties": {
-                word: _size_schema(len(kind.sizes)) for word, kind in SHAPE_KINDS.items() if kind.sizes
+                word: {**_size_schema(len(kind.sizes)), "title": ", ".join(kind.sizes), "description": kind.place}
+                for word, kind in SHAPE_KINDS.items()
+                if kind.sizes
             },
             "additionalProperties": False,
             "minProperties": 1,

@@ -75,7 +75,7 @@ def vector_marks(
     for vector in vectors:
         if vector.kind not in scales or not np.isfinite(vector.values[k]).all():
             continue
-        at = pose.place(vector.anchor)
+        at = pose.place(vector.anchor) if vector.places is None else vector.places[k]
         ends = camera.project(np.stack([at, at + scales[vector.kind] * vector.values[k]]))[:, :2]
         is_force = vector.kind == "force"
         marks += arrow(ends[0], ends[1], FORCE if is_force else TORQUE, 1.8, 1 if is_force else 2)

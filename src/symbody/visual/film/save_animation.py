@@ -133,7 +133,14 @@ def resample(motion: SceneMotion, times: Floats) -> SceneMotion:
 
     quaternions = interpolate(motion.quaternions)
     quaternions /= np.linalg.norm(quaternions, axis=-1, keepdims=True)
-    vectors = tuple(replace(each, values=interpolate(each.values)) for each in motion.vectors)
+    vectors = tuple(
+        replace(
+            each,
+            values=interpolate(each.values),
+            places=None if each.places is None else interpolate(each.places),
+        )
+        for each in motion.vectors
+    )
     return SceneMotion(times, interpolate(motion.positions), quaternions, (), vectors, motion.events)
 
 

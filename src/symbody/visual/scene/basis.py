@@ -11,6 +11,8 @@ import numpy as np
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints.rolling import Rolling
+from symbody.model.contacts.contact import Contact
+from symbody.model.contacts.contact_shapes import SHAPE_KINDS
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.lengths import model_lengths
@@ -36,7 +38,7 @@ _MOMENTS: Final = 16
 # Points nearer than this share of the size are one.
 SAME_POINT: Final = 1e-6
 
-Link = Joint | FrameConstraint | SpringDamper | TorsionSpring | Bushing
+Link = Joint | FrameConstraint | SpringDamper | TorsionSpring | Bushing | Contact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -213,7 +215,7 @@ def _steps(
 
 def _links(model: Model, freedoms: Mapping[str, JointFreedoms]) -> tuple[Link, ...]:
     """Return the elements that connect two frames, except the joints of bodies that move freely."""
-    kinds = (Joint, FrameConstraint, SpringDamper, TorsionSpring, Bushing)
+    kinds = (Joint, FrameConstraint, SpringDamper, TorsionSpring, Bushing, Contact)
     return tuple(
         element
         for element in model.elements
@@ -258,9 +260,22 @@ def _points(frames: Mapping[FrameRef, RigidTransform], bodies: Mapping[str, Rigi
 def _size(model: Model, numbers: ModelNumbers, points: Floats, lengths: Iterable[float]) -> float:
     """Return a length that fits the mechanism [m]: of the box round its frames, else of formulas, else 1."""
     radii = [numbers.number(part.radius) for part in model.constraints if isinstance(part, Rolling)]
+    radii += _contact_radii(model, numbers)
     size = max([float(np.ptp(points, axis=0).max()), *lengths, *(2.0 * abs(radius) for radius in radii)])
     if size > 0.0:
         return size
     shapes = [*model.ground_shapes, *(shape for body in model.bodies for shape in body.shapes)]
     formulas = [formula for shape in shapes for _, formula in shape.lengths] or model_lengths(model)
     return max((abs(numbers.number(formula)) for formula in formulas), default=0.0) or 1.0
+
+
+def _contact_radii(model: Model, numbers: ModelNumbers) -> list[float]:
+    """Return half the sizes of all that touches, but of what is given by a formula of the place [m]."""
+    return [
+        numbers.number(size) * (0.5 if shape.word == "box" else 1.0)
+        for part in model.elements
+        if isinstance(part, Contact)
+        for shape in part.shapes
+        if not SHAPE_KINDS[shape.word].reads
+        for size in shape.sizes
+    ]

@@ -1,4 +1,4 @@
-"""Forces and torques as arrows: which there are, the outputs they follow from, and their values."""
+"""Forces and torques as arrows: which there are, the outputs they follow from, their values and places."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Rolling
+from symbody.model.contacts.contact import Contact
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
 from symbody.model.loads.forces import Force, SpringDamper, Torque
@@ -21,7 +22,7 @@ from symbody.visual.scene.scene import Anchor, MotionVector, Scene, VectorKind
 
 Outputs = Mapping[str, Floats]
 
-# So many applied forces and torques are drawn without a word.
+# So many forces and torques, applied or of contacts, are drawn without a word.
 _FEW: Final = 6
 # Forces and torques that never exceed this share of the largest are left out.
 _NOTHING: Final = 1e-9
@@ -39,6 +40,8 @@ class Arrow:
         What its values are made of.
     values : callable
         Makes components in ground's axes (N, 3) from these outputs.
+    places : callable, optional
+        Makes the points (N, 3) where it acts, in ground's axes, of a force that is fixed on no body.
     """
 
     name: str
@@ -46,6 +49,7 @@ class Arrow:
     anchor: Anchor
     outputs: tuple[str, ...]
     values: Callable[[Outputs], Floats]
+    places: Callable[[Outputs], Floats] | None = None
 
 
 def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) -> list[Arrow]:
@@ -54,8 +58,8 @@ def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) ->
     Parameters
     ----------
     chosen : "all", "applied", "none", names, or None
-        Names are those of elements, or of arrows such as ``"reaction elbow"``. None: those of `Force` and
-        `Torque` where they are few.
+        Names are those of elements, or of arrows such as ``"reaction elbow"``. None: those of `Force`,
+        `Torque` and `Contact` where they are few of a kind.
 
     Raises
     ------
@@ -65,7 +69,8 @@ def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) ->
     every = _all_arrows(model, scene)
     applied = [arrow for arrow in every if arrow.name.startswith(("force ", "torque "))]
     if chosen is None:
-        return applied if len(applied) <= _FEW else []
+        touching = [arrow for arrow in every if arrow.name.startswith("contact ")]
+        return [arrow for arrows in (applied, touching) if len(arrows) <= _FEW for arrow in arrows]
     words = {"all": every, "applied": applied, "none": []}
     if isinstance(chosen, str) and chosen in words:
         return words[chosen]
@@ -90,7 +95,13 @@ def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[
     sizes = [arm * float(np.abs(array).max(initial=0.0)) for arm, array in zip(arms, values, strict=True)]
     least = _NOTHING * max(sizes, default=0.0)
     return tuple(
-        MotionVector(arrow.name, arrow.kind, arrow.anchor, array)
+        MotionVector(
+            arrow.name,
+            arrow.kind,
+            arrow.anchor,
+            array,
+            None if arrow.places is None else arrow.places(outputs),
+        )
         for arrow, array, large in zip(arrows, values, sizes, strict=True)
         if large > least
     )
@@ -105,8 +116,10 @@ def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
             arrows.append(_applied_arrow(element, kind, anchors.anchor_at(element.on)))
         elif isinstance(element, SpringDamper):
             arrows.append(_spring_arrow(element, anchors.anchor_at(element.end)))
-    contacts = [part for part in model.constraints if isinstance(part, FrameConstraint)]
-    links: list[Joint | FrameConstraint] = [*model.joints, *contacts]
+        elif isinstance(element, Contact):
+            arrows.append(_contact_arrow(element, anchors.anchor_at(element.end)))
+    fixed = [part for part in model.constraints if isinstance(part, FrameConstraint)]
+    links: list[Joint | FrameConstraint] = [*model.joints, *fixed]
     for link in links:
         if not isinstance(link, Rolling):  # its point of contact is fixed on no body
             arrows += _reactions(link.name, link.start, anchors.anchor_at(link.end))
@@ -149,6 +162,22 @@ def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
         return (outputs[effort] * direction).T
 
     return Arrow(f"spring {spring.name}", "force", anchor, (line, effort), values)
+
+
+def _contact_arrow(contact: Contact, anchor: Anchor) -> Arrow:
+    """Return the force of a contact on its end, from the point where it acts."""
+    force, point = f'contact_force "{contact.name}"', f'contact_point "{contact.name}"'
+    axes, home = f'frame R "{contact.name}"', _axes(contact.start)
+    origin = f'frame r "{contact.start.full_name}"'
+
+    def values(outputs: Outputs) -> Floats:
+        return _rotate(outputs[axes], outputs[force])
+
+    def places(outputs: Outputs) -> Floats:
+        return _rotate(outputs[home], outputs[point]) + outputs[origin].T
+
+    outputs = (force, axes, point, home, origin)
+    return Arrow(f"contact {contact.name}", "force", anchor, outputs, values, places)
 
 
 def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:

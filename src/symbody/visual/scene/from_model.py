@@ -49,6 +49,7 @@ from symbody.visual.scene.shapes.connectors import (
     spring_damper_connectors,
     torsion_shapes,
 )
+from symbody.visual.scene.shapes.contact_solids import contact_solids
 from symbody.visual.scene.shapes.gears import gear_shapes
 from symbody.visual.scene.shapes.ground_shapes import ground_shapes
 from symbody.visual.scene.shapes.joint_shapes import joint_shapes
@@ -127,7 +128,7 @@ def _notes(numbers: ModelNumbers) -> tuple[str, ...]:
 
 
 def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[FixedShape]:
-    """Return all solids, those of bodies first; bodies that are wheels have no other shape than rods.
+    """Return all solids, those of bodies first; bodies that roll or touch have no other shape than rods.
 
     Parameters
     ----------
@@ -136,9 +137,10 @@ def _shapes(basis: SceneBasis, given: Mapping[str, list[FixedShape]]) -> list[Fi
     """
     rollers = [element for element in basis.model.constraints if isinstance(element, Rolling)]
     wheels = [*gear_shapes(basis), *(shape for each in rollers for shape in rolling_shapes(basis, each))]
+    wheels += contact_solids(basis)
     wheels = [shape for shape in wheels if shape.body == GROUND or shape.body not in given]
     names = {shape.body for shape in wheels}
-    shapes = [*given.get(GROUND, ()), *floor_shapes(basis)]
+    shapes = [*given.get(GROUND, ()), *floor_shapes(basis, given)]
     for body in basis.model.bodies:
         shapes += given.get(body.name) or body_shapes(basis, body, body.name in names)
     detailed = {name for name, own in given.items() if any(shape.mesh is not None for shape in own)}

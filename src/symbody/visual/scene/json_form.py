@@ -31,7 +31,8 @@ def motion_to_json(motion: SceneMotion) -> dict[str, Any]:
     ]
     vectors = [
         {"name": vector.name, "kind": vector.kind, "anchor": _round(vector.anchor),
-         "values": encode_array(vector.values)}
+         "values": encode_array(vector.values),
+         "places": None if vector.places is None else encode_array(vector.places)}
         for vector in motion.vectors
     ]  # fmt: skip
     return {

@@ -207,15 +207,18 @@ class MotionVector:
     kind : str
         "force" [N] or "torque" [N m].
     anchor : Anchor
-        Where it acts.
+        Where it acts, or the body that it acts on.
     values : (N, 3) array
         Components in ground's axes.
+    places : (N, 3) array, optional
+        Where it acts in ground's axes, if that moves on its body, as points of contact do [m].
     """
 
     name: str
     kind: VectorKind
     anchor: Anchor
     values: Floats
+    places: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

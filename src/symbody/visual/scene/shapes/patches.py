@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from symbody.model.constraints.points import PointOnCurve, PointOnLine, PointOnPlane, PointOnSurface
 from symbody.model.constraints.rolling import Rolling
+from symbody.model.contacts.contact import Contact
 from symbody.model.naming import GROUND
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import (
@@ -23,7 +26,7 @@ from symbody.visual.scene.fixed_shape import (
     shift_frame,
 )
 from symbody.visual.scene.freedoms import PARALLEL
-from symbody.visual.scene.poses import RigidTransform
+from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 from symbody.visual.scene.scene import Floats
 from symbody.visual.scene.shapes.level_surface import level_surface
 from symbody.visual.scene.shapes.meshes import prism, tube
@@ -34,28 +37,79 @@ _SAMPLES: Final = 160
 _CELLS: Final = 22
 
 
-def floor_shapes(basis: SceneBasis) -> list[FixedShape]:
-    """Return the planes that something rolls on, each once, as large as all that rolls on it needs."""
-    floors: list[tuple[Rolling, RigidTransform, Floats]] = []
-    for element in basis.model.constraints:
-        if not isinstance(element, Rolling):
-            continue
-        where = _plane_frame(basis, element)
-        course = basis.frames[element.start].point(basis.course(element.start, element.end))
-        for k, (other, plane, points) in enumerate(floors):
-            if other.start.body == element.start.body and _are_coplanar(plane, where, basis.rod):
-                floors[k] = (other, plane, np.vstack([points, course]))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Floor:
+    """A plane that something rolls on or touches.
+
+    Attributes
+    ----------
+    body, element : str
+        The body that it is on, and what it shows.
+    where : RigidTransform
+        Its frame on the body, whose z axis is the normal.
+    points : (N, 3) array
+        Where the other body's frame comes, in the body's axes [m].
+    """
+
+    body: str
+    element: str
+    where: RigidTransform
+    points: Floats
+
+
+def floor_shapes(basis: SceneBasis, given: Mapping[str, Sequence[FixedShape]]) -> list[FixedShape]:
+    """Return the planes that something rolls on or touches, each once, as large as all of that needs.
+
+    Parameters
+    ----------
+    given : mapping of body to its shapes
+        Those of the model: a plane that is a face of one of them is not drawn again.
+    """
+    floors: list[_Floor] = []
+    for floor in _all_floors(basis):
+        for k, other in enumerate(floors):
+            if other.body == floor.body and _are_coplanar(other.where, floor.where, basis.rod):
+                floors[k] = replace(other, points=np.vstack([other.points, floor.points]))
                 break
         else:
-            floors.append((element, where, course))
-    return [_patch(basis, element, where, course, _FLOOR * basis.size) for element, where, course in floors]
+            floors.append(floor)
+    return [
+        _patch(basis, floor.body, floor.element, floor.where, floor.points, _FLOOR * basis.size)
+        for floor in floors
+        if not any(_has_face(shape, floor.where, basis.rod) for shape in given.get(floor.body, ()))
+    ]
+
+
+def _all_floors(basis: SceneBasis) -> Iterator[_Floor]:
+    for element in basis.model.elements:
+        if isinstance(element, Rolling):
+            points = basis.frames[element.start].point(basis.course(element.start, element.end))
+            yield _Floor(element.start.body, element.name, _plane_frame(basis, element), points)
+        elif isinstance(element, Contact):
+            ends = (element.start, element.end)
+            for shape, own, other in zip(element.shapes, ends, ends[::-1], strict=True):
+                if shape.word == "plane":
+                    where = basis.frames[own]
+                    yield _Floor(own.body, element.name, where, where.point(basis.course(own, other)))
+
+
+def _has_face(shape: FixedShape, plane: RigidTransform, thickness: float) -> bool:
+    """Return whether a solid is a box one of whose faces lies in a plane."""
+    solid = shape.solid
+    if solid.kind != "box":
+        return False
+    normal = rotation_matrix(solid.quaternion).T @ plane.axes[:, 2]
+    along = int(np.argmax(np.abs(normal)))
+    height = float(plane.axes[:, 2] @ (np.array(solid.at) - plane.at)) + 0.5 * solid.size[along]
+    return bool(abs(normal[along]) > 1.0 - PARALLEL) and abs(height) < 0.1 * thickness
 
 
 def plane_shapes(basis: SceneBasis, element: PointOnPlane) -> list[FixedShape]:
     """Return a patch of the plane that a point is held in, and the point."""
     course = basis.frames[element.start].point(basis.course(element.start, element.end))
     where = _plane_frame(basis, element)
-    return [_patch(basis, element, where, course, _PATCH * basis.size), _point(basis, element)]
+    patch = _patch(basis, element.start.body, element.name, where, course, _PATCH * basis.size)
+    return [patch, _point(basis, element)]
 
 
 def _plane_frame(basis: SceneBasis, element: Rolling | PointOnPlane) -> RigidTransform:
@@ -73,7 +127,7 @@ def _are_coplanar(plane: RigidTransform, other: RigidTransform, thickness: float
 
 
 def _patch(
-    basis: SceneBasis, element: Rolling | PointOnPlane, where: RigidTransform, course: Floats, side: float
+    basis: SceneBasis, body: str, element: str, where: RigidTransform, course: Floats, side: float
 ) -> FixedShape:
     """Return a translucent square in the plane z = 0 of a frame, about points (N, 3) of the body."""
     thickness = 0.15 * basis.rod
@@ -82,9 +136,8 @@ def _patch(
     side = max(side, float((high - low).max()) + 0.5 * side)
     x, y = 0.5 * (low + high)
     centre = shift_frame(where, float(x), float(y), -0.5 * thickness)
-    color = GROUND_COLOR if element.start.body == GROUND else ""
-    size = (side, side, thickness)
-    return fixed_shape(element.start.body, element.name, "box", size, centre, color, GLASS)
+    color = GROUND_COLOR if body == GROUND else ""
+    return fixed_shape(body, element, "box", (side, side, thickness), centre, color, GLASS)
 
 
 def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:

@@ -1,0 +1,154 @@
+"""What touches in contacts: the shapes that bodies without shapes of their own are drawn by."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from symbody.model.contacts.contact import Contact
+from symbody.model.contacts.contact_shapes import ContactShape
+from symbody.model.element import FrameRef
+from symbody.model.naming import GROUND
+from symbody.visual.scene.basis import SceneBasis
+from symbody.visual.scene.fixed_shape import GLASS, MARK, RUBBER, FixedShape, ball, fixed_shape, mesh_shape
+from symbody.visual.scene.poses import RigidTransform
+from symbody.visual.scene.scene import Floats, SceneMesh
+from symbody.visual.scene.shapes.meshes import hollow_prism, prism, ring
+from symbody.visual.scene.shapes.wheels import ball_with_marks
+
+# Cells of a ground along each side, its side in sizes of the mechanism, corners of round outlines.
+_CELLS: Final = 48
+_GROUND: Final = 3.0
+_CORNERS: Final = 96
+
+Maker = Callable[[SceneBasis, str, Floats, RigidTransform], list[FixedShape]]
+
+
+def contact_solids(basis: SceneBasis) -> list[FixedShape]:
+    """Return the shapes of all contacts but planes, each once; a body's name stands for what it shows."""
+    drawn: set[tuple[FrameRef, ContactShape]] = set()
+    shapes: list[FixedShape] = []
+    for element in basis.model.elements:
+        if not isinstance(element, Contact):
+            continue
+        for shape, own, other in _sides(element):
+            if (own, shape) in drawn:
+                continue
+            drawn.add((own, shape))
+            if shape.word == "height":
+                shapes += _height(basis, element, shape, own, other)
+            elif shape.word == "cam":
+                shapes += _cam(basis, shape, own)
+            elif shape.word in _MAKERS:
+                sizes = np.abs(basis.numbers.vector(shape.sizes))
+                if sizes[:1].all():
+                    shapes += _MAKERS[shape.word](basis, own.body, sizes, basis.frames[own])
+    return shapes
+
+
+def _sides(contact: Contact) -> Iterator[tuple[ContactShape, FrameRef, FrameRef]]:
+    """Yield each shape with its frame and the frame of the other."""
+    first, second = contact.shapes
+    yield first, contact.start, contact.end
+    yield second, contact.end, contact.start
+
+
+def _point(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return [] if body == GROUND else [ball(body, body, where.at, 1.5 * basis.rod)]
+
+
+def _sphere(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return ball_with_marks(body, body, where, float(sizes[0]))
+
+
+def _capsule(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return [fixed_shape(body, body, "capsule", (sizes[0], sizes[1]), where)]
+
+
+def _cylinder(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    radius, length = sizes
+    return [fixed_shape(body, body, "cylinder", (radius, length), where), *_spot(body, radius, length, where)]
+
+
+def _disc(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return _cylinder(basis, body, np.array([sizes[0], min(0.1 * sizes[0], basis.rod)]), where)
+
+
+def _spot(body: str, radius: float, length: float, where: RigidTransform) -> list[FixedShape]:
+    """Return a mark through a cylinder, so that its turning is seen."""
+    at = RigidTransform(where.point(np.array([0.7 * radius, 0.0, 0.0])), where.axes)
+    return [fixed_shape(body, body, "cylinder", (0.12 * radius, 1.02 * length), at, MARK)]
+
+
+def _torus(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    radius, tube = (float(size) for size in sizes)
+    spot = ball(body, body, where.point(np.array([radius, 0.0, 0.0])), 1.03 * tube, MARK)
+    return [mesh_shape(body, body, ring(radius, tube), where, RUBBER), spot]
+
+
+def _box(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return [fixed_shape(body, body, "box", (sizes[0], sizes[1], sizes[2]), where)]
+
+
+def _socket(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    return [ball(body, body, where.at, float(sizes[0]), opacity=GLASS)]
+
+
+def _hole(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
+    wall = max(0.1 * float(sizes[0]), basis.rod)
+    inner, outer = _circle(float(sizes[0])), _circle(float(sizes[0]) + wall)
+    return [mesh_shape(body, body, hollow_prism(inner, outer, 2.0 * basis.rod), where)]
+
+
+def _circle(radius: float) -> Floats:
+    angles = np.linspace(0.0, 2.0 * math.pi, _CORNERS, endpoint=False)
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _cam(basis: SceneBasis, shape: ContactShape, own: FrameRef) -> list[FixedShape]:
+    """Return the disc inside of a cam's outline."""
+    angles = np.linspace(0.0, 2.0 * math.pi, _CORNERS, endpoint=False)
+    radii = basis.numbers.samples(shape.sizes, ("angle",), angles[:, np.newaxis])
+    if not (np.isfinite(radii).all() and (radii > 0.0).all()):
+        return []
+    disc = prism(radii * np.stack([np.cos(angles), np.sin(angles)], axis=1), basis.rod)
+    return [mesh_shape(own.body, own.body, disc, basis.frames[own])]
+
+
+def _height(
+    basis: SceneBasis, contact: Contact, shape: ContactShape, own: FrameRef, other: FrameRef
+) -> list[FixedShape]:
+    """Return the surface of a ground of given height about where the other body comes."""
+    course = basis.course(own, other)[:, :2]
+    low, high = course.min(axis=0), course.max(axis=0)
+    half = 0.5 * max(_GROUND * basis.size, 1.5 * float((high - low).max()))
+    middle = 0.5 * (low + high)
+    x, y = np.meshgrid(*(np.linspace(each - half, each + half, _CELLS + 1) for each in middle), indexing="ij")
+    points = np.column_stack([x.ravel(), y.ravel()])
+    heights = basis.numbers.samples(shape.sizes, ("x", "y"), points)[:, 0]
+    corner = np.arange((_CELLS + 1) ** 2).reshape(_CELLS + 1, _CELLS + 1)
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    triangles = np.vstack([np.stack(each, axis=-1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
+    triangles = triangles[np.isfinite(heights)[triangles].all(axis=1)]
+    vertices = np.column_stack([points, np.where(np.isfinite(heights), heights, 0.0)])
+    mesh = SceneMesh(vertices, triangles.astype(np.int32))
+    return [mesh_shape(own.body, contact.name, mesh, basis.frames[own])] if len(triangles) else []
+
+
+_MAKERS: Final[Mapping[str, Maker]] = MappingProxyType(
+    {
+        "point": _point,
+        "sphere": _sphere,
+        "capsule": _capsule,
+        "cylinder": _cylinder,
+        "disc": _disc,
+        "torus": _torus,
+        "box": _box,
+        "socket": _socket,
+        "hole": _hole,
+    }
+)
