@@ -69,13 +69,13 @@ class Falling:
     @property
     def duration(self) -> float:
         """Of an elastic impact by Hertz's law with the speed [s]: 2.943 d/v (Johnson 1985, section 11.4)."""
-        depth = (1.25 * self.mass * self.speed**2 / self.stiffness) ** 0.4
+        depth = float((1.25 * self.mass * self.speed**2 / self.stiffness) ** 0.4)
         return 2.943 * depth / self.speed
 
     @property
     def times(self) -> Floats:
         """When places are compared [s]."""
-        return SAMPLE * np.arange(1, round(self.end / SAMPLE) + 1)
+        return np.array(SAMPLE * np.arange(1, round(self.end / SAMPLE) + 1), dtype=np.float64)
 
     @cached_property
     def quaternion(self) -> Floats:

@@ -6,7 +6,7 @@ have ended, a series with a last moment, the ball rolls.
 
 Check: a bounce leaves `e` of the speed down, and changes that along by `2/7` of the slip, or by `mu(1 + e)`
 times the speed down where that is less; each flight lasts `2 v/g`. When all has ended it rolls with
-`5/7 v + 2/7 R w`, whatever the bounces were, as its angular momentum about any point of the floor is kept:
+`5/7 v + 2/7 R w`, however it has bounced, as its angular momentum about any point of the floor is kept:
 W. Goldsmith, Impact (1960), chapter 3.
 """
 

@@ -6,6 +6,8 @@ time in a fixed order, which ends wherever the problem is monotone [Murty, Linea
 Nonlinear Programming, 1988, section 4.1]. What is at rest holds if its effort is within its static strength,
 else it slips with the kinetic one.
 
+Of more than four undecided elements the search begins again with all loose, and with all that hold.
+
 There is one solution if friction changes its own bounds by a factor below 1 (`friction_gain`). Otherwise all
 modes of up to four undecided elements are tried: friction may have no solution or two [Painleve 1895]. Two
 are solutions with other accelerations that hold within kinetic strengths; between these and the static ones
@@ -51,6 +53,12 @@ def find_modes(problem: ModeProblem) -> int:
     gain = friction_gain(problem)
     problem.root = 0
     found = search(problem, undecided)
+    if found == 0 and undecided > MOST_UNDECIDED:
+        loosen_all(problem)
+        found = search(problem, undecided)
+    if found == 0 and undecided > MOST_UNDECIDED:
+        hold_all(problem)
+        found = search(problem, undecided)
     if found == 1 and (gain < 1.0 or undecided > MOST_UNDECIDED):
         return ONE
     if undecided > MOST_UNDECIDED:
@@ -280,6 +288,18 @@ def hold_all(problem: ModeProblem) -> None:
         element = problem.elements[k]
         if element.moves == 0.0:
             element.mode = HOLDS
+
+
+def loosen_all(problem: ModeProblem) -> None:
+    """Let all undecided elements be loose, each in the direction in which nothing holds it."""
+    for k in range(problem.count):
+        element = problem.elements[k]
+        if element.moves == 0.0:
+            element.mode = LOOSE
+            loosen(problem, element)
+            if element.law == BOUNDED and problem.offsets[element.row] < 0.0:
+                element.mode = BACK
+                element.first = -1.0
 
 
 def next_modes(problem: ModeProblem) -> int:

@@ -55,7 +55,7 @@ def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float
         code = strike_and_measure(d, modes, Z, t, x)
     copy(modes.states, x, modes.fitted)
     is_new = 0
-    rest = 0.0
+    t_rest = t
     wrong = 1  # gaps that close change the speeds: what slips may slip the other way then
     for turn in range(modes.count + 2):
         if wrong == 1 and code == SETTLED:
@@ -63,14 +63,14 @@ def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float
             if code == SETTLED:
                 is_new = max(is_new, take_modes(modes))
                 if is_struck == 1 and turn == 0:
-                    rest = rest_of_impacts(modes)
+                    t_rest = t + rest_of_impacts(modes)
                 note_slips(modes)
                 code = fit_speeds(d, w, modes, t, x)
                 wrong = slip_back(modes)
     if code == SETTLED and wrong == 1:
         return NO_SPEEDS
     if code == SETTLED and is_new == 1:
-        record(modes, Z, DECIDED, t + rest, modes.fitted, 0.0)
+        record(modes, Z, DECIDED, t_rest, modes.fitted, 0.0)
     return code
 
 
