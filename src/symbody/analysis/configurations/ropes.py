@@ -111,10 +111,14 @@ def equations_with_ropes(
 
 
 def rope_assumptions(eqs: EquationSet) -> tuple[str, ...]:
-    """Return notes on the ropes that an analysis of all configurations takes as taut."""
-    rows = {row.gap for row in eqs.formed.rows}
+    """Return notes on the ropes and gaps that an analysis of all configurations takes as taut or closed."""
+    rows = {row.gap: row for row in eqs.formed.rows}
     return tuple(
-        f"rope {name} is assumed to be taut" for name in unilateral_elements(eqs.formed) if name in rows
+        f"rope {name} is assumed to be taut"
+        if rows[name].sense < 0
+        else f"gap {name} is assumed to be closed"
+        for name in unilateral_elements(eqs.formed)
+        if name in rows
     )
 
 

@@ -46,6 +46,12 @@ TITLES: Final[Mapping[str, SectionTitle]] = MappingProxyType(
 )
 _IDENTICAL: Final = "holds identically"
 _UNRESISTED: Final = "{} has no inertia, and no force acts on it"
+_ONE_SIDED: Final = MappingProxyType(
+    {
+        1: "while the gap is closed; open, the left side is > 0",
+        -1: "while it is taut; slack, the left side is < 0",
+    }
+)
 _SLIPS: Final = "while it slips; at rest it holds up to this magnitude"
 _NOTHING_MOVES: Final = "none: there are no speeds, because all motions are prescribed or nothing can move"
 
@@ -137,7 +143,8 @@ def constraint_sections(textbook: Textbook) -> list[EquationSection]:
     """Return the constraints on positions, and those on velocities alone: one equation a multiplier."""
     positions = textbook.display("constraints").nodes
     velocities = textbook.display("velocity_constraints").nodes[len(positions) :]
-    return [_constraints("positions", positions), _constraints("velocities", velocities)]
+    one_sided = {k: _ONE_SIDED[row.sense] for k, row in enumerate(textbook.formed.holonomic) if row.sense}
+    return [_constraints("positions", positions, one_sided), _constraints("velocities", velocities, {})]
 
 
 def friction_section(textbook: Textbook) -> EquationSection:
@@ -156,8 +163,8 @@ def _at_rest(law: FrictionLaw) -> str:
     return f"{_SLIPS}{''.join(exchanged)}"
 
 
-def _constraints(key: str, nodes: Sequence[int]) -> EquationSection:
-    remarks = {k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}
+def _constraints(key: str, nodes: Sequence[int], one_sided: Mapping[int, str]) -> EquationSection:
+    remarks = {**one_sided, **{k: _IDENTICAL for k, node in enumerate(nodes) if node == ZERO}}
     return EquationSection(key, tuple((node, ZERO) for node in nodes), remarks=remarks)
 
 

@@ -168,7 +168,11 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
         table = {
             "type": "object",
             "properties": {
-                word: {**_size_schema(len(kind.sizes)), "title": ", ".join(kind.sizes), "description": kind.place}
+                word: {
+                    **_size_schema(len(kind.sizes)),
+                    "title": ", ".join(kind.sizes),
+                    "description": kind.place,
+                }
                 for word, kind in SHAPE_KINDS.items()
                 if kind.sizes
             },
