@@ -1,4 +1,4 @@
-"""What touches in contacts: the shapes that bodies without shapes of their at are drawn by."""
+"""What touches in contacts: the shapes that bodies without shapes of their own are drawn by."""
 
 from __future__ import annotations
 
