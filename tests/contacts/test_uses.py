@@ -94,7 +94,7 @@ FAULTS = [
     ({"shapes": ["plane", {"sphere": ["r", 1]}]}, "contact.sizes", "a sphere has radius, not 2 sizes"),
     ({"shapes": [{"height": "x*z"}, "point"]}, "contact.sizes", "x*z contains z"),
     ({"shapes": ["plane"]}, "model.wrong_number", "1 shape instead of 2"),
-    ({"normal": "rigid"}, "contact.normal", "'rigid' is not a normal force"),
+    ({"normal": "stiff"}, "contact.normal", "'stiff' is not a normal force"),
     ({"friction": 0.5}, "contact.friction", "0.5 is not Friction"),
     ({"friction": sb.Friction(mu=0.5)}, "contact.friction", "v0 is missing"),
     ({"friction": sb.Friction(mu=0.5, radius=1, v0=1)}, "contact.friction", "radius is for joints"),

@@ -328,7 +328,7 @@ def _notes(system: MultibodySystem) -> tuple[str, ...]:
         *_cut_coupling_notes(system.joint_roles),
         *_singularity_notes(system.graph, system.variables),
         *_gap_notes(system.topology.model),
-        *_contact_notes(system.topology.model),
+        *contact_notes(system.topology.model),
     )
 
 
@@ -342,12 +342,14 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
     )
 
 
-def _contact_notes(model: Model) -> tuple[str, ...]:
+def contact_notes(model: Model) -> tuple[str, ...]:
     """Return a note on contacts of which a long step may see nothing; behind a plane all is inside."""
     names = [
         part.name
         for part in model.elements
-        if isinstance(part, Contact) and _BOUNDLESS.isdisjoint(shape.word for shape in part.shapes)
+        if isinstance(part, Contact)
+        and not part.is_rigid
+        and _BOUNDLESS.isdisjoint(shape.word for shape in part.shapes)
     ]
     if not names:
         return ()

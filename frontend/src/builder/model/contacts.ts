@@ -1,5 +1,6 @@
 /** What a new contact begins with: shapes of the bodies that it joins, and a force law. */
 
+import { symbolOf } from "./coordinates";
 import { entriesOf, GROUND, referenceOf, textOf } from "./entries";
 import { isArray, isObject } from "./pointers";
 import type { Json, JsonObject, Model } from "../types";
@@ -39,4 +40,37 @@ export function contactFields(data: Model, ends: readonly [string, string] | nul
   const [start, end] = ends === null ? ["plane", BALL] : ends.map((each) => shapeAt(data, each));
   const flat = start === "plane" || end === "plane";
   return { shapes: flat ? [start!, end!] : [round(start!), round(end!)], normal: USUAL_LAW };
+}
+
+/** Turns of a frame that bring z upwards, by the place and the sign of the only component of gravity. */
+const UPWARDS: Readonly<Record<string, readonly [string, string] | null>> = {
+  "0-": ["y", "90 deg"], "0+": ["y", "-90 deg"], "1-": ["x", "-90 deg"], "1+": ["x", "90 deg"], "2-": null, "2+": ["x", "180 deg"],
+};
+const FLOOR = "floor";
+const DROP = "1"; // from so high a free body falls [m]
+
+/** Return which way is up, as a key of `UPWARDS`; "" where gravity is none, or oblique. */
+function upOf(data: Model): string {
+  const gravity = isArray(data["gravity"]) ? data["gravity"].map((each) => Number(textOf(each))) : [];
+  const along = gravity.flatMap((each, index) => (each === 0 ? [] : [index]));
+  return along.length === 1 && Number.isFinite(gravity[along[0]!]) ? `${along[0]!}${gravity[along[0]!]! < 0 ? "-" : "+"}` : "";
+}
+
+/** Return data whose ground has a level frame, and its name: that is where a body falls on, and no frame of its own is named. */
+export function withFloor(data: Model): readonly [Model, string] {
+  const turn = UPWARDS[upOf(data)];
+  if (turn === undefined || turn === null) return [data, GROUND];
+  const ground = isObject(data["ground"]) ? data["ground"] : {};
+  const frames = isObject(ground["frames"]) ? ground["frames"] : {};
+  const floor = frames[FLOOR] ?? { rotate: [turn] };
+  return [{ ...data, ground: { ...ground, frames: { ...frames, [FLOOR]: floor } } }, `${GROUND}.${FLOOR}`];
+}
+
+/** Return data in which a body that nothing joins starts above the ground, where the user has not put it elsewhere. */
+export function dropped(data: Model, body: string): Model {
+  const up = upOf(data);
+  const initial = isObject(data["initial"]) ? data["initial"] : {};
+  const key = `${symbolOf(body)}_${"xyz".charAt(Number(up.charAt(0)))}`;
+  if (up === "" || initial[key] !== undefined) return data;
+  return { ...data, initial: { ...initial, [key]: up.endsWith("-") ? DROP : `-${DROP}` } };
 }

@@ -4,7 +4,7 @@ import {
   endsOf, entriesOf, entryAt, FRAME_NAMES, framesOf, freeName, GROUND, INPUTS, inputsOf, layoutNameOf, namesOf, PART, pointerOf, referenceOf,
   referenceText, symbolsOf, textOf, type EntryId,
 } from "./entries"; // prettier-ignore
-import { contactFields } from "./contacts";
+import { contactFields, dropped, withFloor } from "./contacts";
 import { withoutInitialOf } from "./coordinates";
 import { diagramOf, SIGNALS } from "./graph";
 import { freeSpot, layoutName, sizeOf, spotsOf, withLayout, type Size, type Spot } from "./layout";
@@ -84,10 +84,9 @@ export function addElement(
   const list = isArray(items) ? items : [];
   const id = `${element.section}/${list.length}`;
   const before = withLayout(data);
-  const usual = element.section === "contact" ? contactFields(data, ends) : {};
-  const plain = (): Model => withValue(before, `/${element.section}`, [...list, { ...newEntry(schema, element, name, ends), ...usual }]);
+  const plain = (): Model => withValue(before, `/${element.section}`, [...list, newEntry(schema, element, name, ends)]);
   const body = (): Model => besideOthers(withTemplate(before, element.type) ?? plain(), joinedBodies(before));
-  const added = element.section === "body" ? body() : plain();
+  const added = element.section === "body" ? body() : element.section === "contact" ? withContact(schema, before, element, name, ends) : plain();
   const graph = diagramOf(added);
   const node = graph.nodes.find((each) => each.id === id);
   if (node === undefined) return { data: added, ids: [id] };
@@ -95,6 +94,17 @@ export function addElement(
   others.delete(id);
   const place = freeSpot(spot ?? nextSpot(others), node, graph, others);
   return { data: withLayout(added, new Map([[id, place]])), ids: [id] };
+}
+
+/** Return data with a contact; one of a free body with the ground itself is with its floor, which the body falls on. */
+function withContact(schema: JsonObject, data: Model, element: PaletteElement, name: string, ends: readonly [string, string] | null): Model {
+  const list = isArray(data["contact"]) ? data["contact"] : [];
+  const fields = contactFields(data, ends);
+  const [placed, floor] = ends?.[0] === GROUND ? withFloor(data) : [data, ""];
+  const joined = ends === null || floor === "" ? ends : ([floor, ends[1]] as const);
+  const added = withValue(placed, "/contact", [...list, { ...newEntry(schema, element, name, joined), ...fields }]);
+  const body = ends === null ? "" : referenceOf(ends[1]).body;
+  return floor === "" || joinedBodies(data).has(body) ? added : dropped(added, body);
 }
 
 /** Return the place to the right of all that is there. */

@@ -12,6 +12,7 @@ from symbody.errors import FormulationError, Problem, nearest
 from symbody.expr.expression import Expr, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Rolling
+from symbody.model.contacts.contact import Contact
 from symbody.model.output_names import WRENCH
 from symbody.spatial.vector import components, cross
 
@@ -41,6 +42,11 @@ def reaction_wrench(
         raise FormulationError(
             Problem("equations.unknown_joint", f"joint {joint}", f"no joint or constraint {joint!r} connects "
                     "two bodies", "", nearest(joint, formed.wrenches))
+        )  # fmt: skip
+    if isinstance(owner, Contact) and totals is None:
+        raise FormulationError(
+            Problem("equations.no_reaction", f"contact {joint}", "a contact has no output of this name",
+                    "its force acts in its points, friction included", f"write contact_force {joint}")
         )  # fmt: skip
     wrench = (formed.wrenches if totals is None else totals).get(joint, NO_WRENCH)
     if joint not in formed.topology.contacts:

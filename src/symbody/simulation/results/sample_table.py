@@ -285,7 +285,8 @@ def _split_columns(name: str, values: Floats, names: ColumnNames) -> Iterator[tu
     if names == "outputs" and name.startswith("reaction ") and shape == (len(WRENCH),):
         yield from ((f"{name} {word}", column) for word, column in zip(WRENCH, values, strict=True))
         return
-    letters = "xyz" if all(size == 3 for size in shape) else ""
+    is_spatial = all(size == 3 for size in shape) or (name.startswith("slip ") and shape == (2,))
+    letters = "xyz" if is_spatial else ""
     for place in product(*map(range, shape)):
         suffix = "".join(letters[k] for k in place) if letters else str(list(place))
         yield f"{name} {suffix}" if place else name, values[place]

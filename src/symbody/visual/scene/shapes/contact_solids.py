@@ -35,18 +35,18 @@ def contact_solids(basis: SceneBasis) -> list[FixedShape]:
     for element in basis.model.elements:
         if not isinstance(element, Contact):
             continue
-        for shape, own, other in _sides(element):
-            if (own, shape) in drawn:
+        for shape, at, other in _sides(element):
+            if (at, shape) in drawn:
                 continue
-            drawn.add((own, shape))
+            drawn.add((at, shape))
             if shape.word == "height":
-                shapes += _height(basis, element, shape, own, other)
+                shapes += _height(basis, element, shape, at, other)
             elif shape.word == "cam":
-                shapes += _cam(basis, shape, own)
+                shapes += _cam(basis, shape, at)
             elif shape.word in _MAKERS:
                 sizes = np.abs(basis.numbers.vector(shape.sizes))
                 if sizes[:1].all():
-                    shapes += _MAKERS[shape.word](basis, own.body, sizes, basis.frames[own])
+                    shapes += _MAKERS[shape.word](basis, at.body, sizes, basis.frames[at])
     return shapes
 
 
@@ -80,8 +80,8 @@ def _disc(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) ->
 
 def _spot(body: str, radius: float, length: float, where: RigidTransform) -> list[FixedShape]:
     """Return a mark through a cylinder, so that its turning is seen."""
-    at = RigidTransform(where.point(np.array([0.7 * radius, 0.0, 0.0])), where.axes)
-    return [fixed_shape(body, body, "cylinder", (0.12 * radius, 1.02 * length), at, MARK)]
+    spot = RigidTransform(where.point(np.array([0.7 * radius, 0.0, 0.0])), where.axes)
+    return [fixed_shape(body, body, "cylinder", (0.12 * radius, 1.02 * length), spot, MARK)]
 
 
 def _torus(basis: SceneBasis, body: str, sizes: Floats, where: RigidTransform) -> list[FixedShape]:
@@ -109,21 +109,21 @@ def _circle(radius: float) -> Floats:
     return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _cam(basis: SceneBasis, shape: ContactShape, own: FrameRef) -> list[FixedShape]:
+def _cam(basis: SceneBasis, shape: ContactShape, at: FrameRef) -> list[FixedShape]:
     """Return the disc inside of a cam's outline."""
     angles = np.linspace(0.0, 2.0 * math.pi, _CORNERS, endpoint=False)
     radii = basis.numbers.samples(shape.sizes, ("angle",), angles[:, np.newaxis])
     if not (np.isfinite(radii).all() and (radii > 0.0).all()):
         return []
     disc = prism(radii * np.stack([np.cos(angles), np.sin(angles)], axis=1), basis.rod)
-    return [mesh_shape(own.body, own.body, disc, basis.frames[own])]
+    return [mesh_shape(at.body, at.body, disc, basis.frames[at])]
 
 
 def _height(
-    basis: SceneBasis, contact: Contact, shape: ContactShape, own: FrameRef, other: FrameRef
+    basis: SceneBasis, contact: Contact, shape: ContactShape, at: FrameRef, other: FrameRef
 ) -> list[FixedShape]:
     """Return the surface of a ground of given height about where the other body comes."""
-    course = basis.course(own, other)[:, :2]
+    course = basis.course(at, other)[:, :2]
     low, high = course.min(axis=0), course.max(axis=0)
     half = 0.5 * max(_GROUND * basis.size, 1.5 * float((high - low).max()))
     middle = 0.5 * (low + high)
@@ -136,7 +136,7 @@ def _height(
     triangles = triangles[np.isfinite(heights)[triangles].all(axis=1)]
     vertices = np.column_stack([points, np.where(np.isfinite(heights), heights, 0.0)])
     mesh = SceneMesh(vertices, triangles.astype(np.int32))
-    return [mesh_shape(own.body, contact.name, mesh, basis.frames[own])] if len(triangles) else []
+    return [mesh_shape(at.body, contact.name, mesh, basis.frames[at])] if len(triangles) else []
 
 
 _MAKERS: Final[Mapping[str, Maker]] = MappingProxyType(
