@@ -258,6 +258,15 @@ def equation(p: Picture) -> None:
     p.slide(at, at + 0.6 * slope, "lambda grad f", (0.3, 0.35, -0.06))
 
 
+def stop(p: Picture) -> None:
+    """Draw a slide before the end of its rail, the gap between them, and the effort that opens it."""
+    p.rod((0, -1.0, 0), (0, 1.0, 0), 0.05, GREY)
+    p.box((0, 0.85, 0.1), (0.5, 0.12, 0.7), GREY)
+    p.box((0, -0.35, 0.1), (0.4, 0.6, 0.4), BLUE)
+    p.slide((0, -0.05, 0.55), (0, 0.79, 0.55), "gap", (0, -0.42, 0.14))
+    p.slide((0, -0.65, 0.1), (0, -1.25, 0.1), "lambda", (0, -0.1, 0.18))
+
+
 CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
     "distance": distance,
     "point_on_line": point_on_line,
@@ -274,6 +283,7 @@ CONSTRAINTS: Final[dict[str, Callable[[Picture], None]]] = {
     "belt": belt,
     "differential": differential,
     "equation": equation,
+    "stop": stop,
 }
 
 
