@@ -182,24 +182,29 @@ def ball_on_stop() -> Fragment:
         for start, v in known:
             s, after = t - start, t >= start
             h, rate = np.where(after, v * s - G * s**2 / 2, h), np.where(after, v - G * s, rate)
-        return {"p": h, "p_dot": rate}
+        return {"fall": h, "fall_dot": rate}
 
-    parts = (*slide("drop", "p", "y"), sb.Stop("ground plate", "p", restitution=0.7))
+    parts = (*slide("drop", "fall", "y"), sb.Stop("ground plate", "fall", restitution=0.7))
     return Fragment(
-        "ball on a stop", parts, reference, {"p": 0.25, "p_dot": 3.0}, {"p": 0.25}, tuple(t for t, _ in known)
+        "ball on a stop",
+        parts,
+        reference,
+        {"fall": 0.25, "fall_dot": 3.0},
+        {"fall": 0.25},
+        tuple(t for t, _ in known),
     )
 
 
 @cache
 def puck_path() -> Any:
-    """A puck pressed against an upright wall, thrown sideways: its friction turns with its velocity."""
+    """A puck pressed against an upright wall, thrown up and to the left: its velocity turns by more than 90 degrees."""
 
     def rates(_: float, y: Array) -> Array:
         speed = math.hypot(y[2], y[3])
         return np.array([y[2], y[3], -3.0 * y[2] / speed, -G - 3.0 * y[3] / speed])
 
     return solve_ivp(
-        rates, (0.0, END), [0.0, 0.0, 2.0, 1.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
+        rates, (0.0, END), [0.0, 0.0, -2.0, 3.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
     ).sol
 
 
@@ -223,7 +228,7 @@ def puck_on_wall() -> Fragment:
     )
     return Fragment(
         "puck on a wall", parts, reference, {"px": 1.0, "py": 5.0, "px_dot": 2.0, "py_dot": 10.0},
-        {"px": 0.0, "py": 0.0, "px_dot": 2.0, "py_dot": 1.0, "pz": 0.0},
+        {"px": 0.0, "py": 0.0, "px_dot": -2.0, "py_dot": 3.0, "pz": 0.0},
     )  # fmt: skip
 
 

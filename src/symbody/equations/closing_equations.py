@@ -47,7 +47,7 @@ def closing_equations(eqs: EquationSet) -> EquationSet:
 
 
 def _has_modes(formed: EquationsOfMotion) -> bool:
-    """Return whether ropes are rows in some of their modes."""
+    """Return whether gaps are rows in some of their modes."""
     return not {row.gap for row in formed.slack}.isdisjoint(row.gap for row in formed.rows)
 
 

@@ -55,7 +55,7 @@ _EVENT_KERNELS: Final = (
 )
 _MODE_KERNELS: Final = (
     ("mode_state", ("show_modes", "forget_modes", "note_rates")),
-    ("switch_modes", ("settle_modes", "find_long_rope", "slight_value")),
+    ("switch_modes", ("settle_modes", "find_overlap", "slight_value")),
     ("end_of_shares", ("shares_hold",)),
     ("switching_motion", ("note_ends", "forget_ends", "watch_shares")),
 )
@@ -236,7 +236,7 @@ def _stops(program: FmuProgram) -> Iterator[bool]:
     """Yield which of the elements with modes are stops."""
     formed = program.modal.eqs.formed
     yield from (False for _ in program.modal.joints)
-    yield from (unilateral_row(formed, name).sense > 0 for name in program.modal.ropes)
+    yield from (unilateral_row(formed, name).sense > 0 for name in program.modal.gaps)
 
 
 def _flags(name: str, values: Iterable[bool]) -> str:

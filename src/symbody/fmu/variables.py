@@ -186,7 +186,7 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
             name = f"condition[{k}]"
             yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
     ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
-    for name in program.modal.ropes:
+    for name in program.modal.gaps:
         is_rope = unilateral_row(program.modal.eqs.formed, name).sense < 0
         ends.append((f"rope {name} goes slack or taut" if is_rope else f"stop {name} closes or opens", name))
     for words, name in ends:

@@ -29,12 +29,12 @@ UNMET: Final = 15
 # What motions return besides along which prescribed rates jump: positions jump, too; no speeds fit the rates.
 TORN_MOTION: Final = 16
 NO_IMPULSE: Final = 17
-# What motions return besides along which joints stick and slip or ropes go taut.
+# What motions return besides along which joints stick and slip or gaps close.
 NO_MODE_ROOM: Final = 18
 MODE_FAULT: Final = 19
 UNDECIDED: Final = 20  # no modes fit all laws, or more than one
-UNMOVABLE: Final = 21  # no speeds keep the ropes taut
-TOO_LONG: Final = 22  # an action leaves a rope longer than it can be
+UNMOVABLE: Final = 21  # no speeds keep gaps from closing further
+TOO_LONG: Final = 22  # an action leaves parts that overlap, or a rope longer than it can be
 # Within a step: the motion is cut, and not begun again yet.
 CUT: Final = 23
 # What motions on a chart return where other coordinates should be independent: the step is not taken.

@@ -5,5 +5,5 @@ from typing import Final
 EVENTS: Final[int] = 1  # values that are searched for zeros, the ends of modes among them
 IMPLICIT: Final[int] = 1  # steps by the generalized-alpha method, else by an explicit one
 JUMPS: Final[int] = 1  # of prescribed rates
-MODES: Final[int] = 1  # of joints that stick and slip, and of ropes
+MODES: Final[int] = 1  # of what sticks and slips, and of gaps
 SAMPLES: Final[int] = 1  # of values that are held in between

@@ -286,7 +286,13 @@ class _MotionByPieces:
         """Return a motion with the changes of modes among its events."""
         record = modes.record
         events = sorted((*run.events, *record.occurrences), key=lambda event: event.t)
-        return replace(run, events=tuple(events), notes=(*run.notes, *record.notes), modes=record.changes)
+        return replace(
+            run,
+            events=tuple(events),
+            notes=(*run.notes, *record.notes),
+            modes=record.changes,
+            mode_inputs=record.inputs,
+        )
 
 
 def with_jump_notes(

@@ -1,1 +1,1 @@
-"""Which joints hold and which ropes pull, decided by the kernel `find_modes`."""
+"""Which joints hold and which gaps are closed, decided by the kernel `find_modes`."""

@@ -43,7 +43,7 @@ class ModeNumbers:
 
     Attributes
     ----------
-    joints, ropes : tuple of str
+    joints, gaps : tuple of str
         Joints and contacts whose friction switches or depends on reactions, and gaps: the candidates.
     responses : Responses
     candidates : tuple of ModeCandidate
@@ -51,14 +51,14 @@ class ModeNumbers:
     """
 
     joints: tuple[str, ...]
-    ropes: tuple[str, ...]
+    gaps: tuple[str, ...]
     responses: Responses
     candidates: tuple[ModeCandidate, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
         """All candidates."""
-        return (*self.joints, *self.ropes)
+        return (*self.joints, *self.gaps)
 
     def decide(self, openings: Mapping[str, Opening]) -> ModeSolution:
         """Return which candidates hold.

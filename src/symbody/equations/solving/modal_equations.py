@@ -1,8 +1,8 @@
-"""Joints that stick and slip, and ropes that open_gaps, as one set of equations with their modes as inputs.
+"""Joints that stick and slip, and gaps that open and close, as one set of equations: modes are inputs.
 
-While a joint sticks a row holds it, and a taut rope is a row as well. Here all these rows are always among
-the equations, with zeros in place of those that do not hold: the solver leaves a row of zeros out, and its
-multiplier is 0.
+While a joint sticks a row holds it, and a closed gap is a row as well, be it of a taut rope. Here all these
+rows are always among the equations, with zeros in place of those that do not hold: the solver leaves a row
+of zeros out, and its multiplier is 0.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ class ModalEquations:
     ----------
     eqs : EquationSet
         With all rows; its last inputs are the modes.
-    joints, ropes : tuple of str
+    joints, gaps : tuple of str
         The elements, in the order of their modes.
     modes : tuple of str
         Names of the inputs: 0 while an element holds, 1 or -1 as the direction in which a joint slips, 1 for
-        a slack rope.
+        an open gap.
     """
 
     eqs: EquationSet
     joints: tuple[str, ...] = ()
-    ropes: tuple[str, ...] = ()
+    gaps: tuple[str, ...] = ()
     modes: tuple[str, ...] = ()
 
     def row_names(self, element: str) -> tuple[str, ...]:
         """Return the multipliers of the rows of an element."""
         rows = self.eqs.formed.rows
-        if element in self.ropes:
+        if element in self.gaps:
             return tuple(row.name for row in rows if row.gap == element)
         return tuple(law.holding_effort for law in self.laws if law.element == element)
 
@@ -61,11 +61,11 @@ class ModalEquations:
     @property
     def names(self) -> tuple[str, ...]:
         """All elements."""
-        return (*self.joints, *self.ropes)
+        return (*self.joints, *self.gaps)
 
 
 def switches(formed: EquationsOfMotion) -> bool:
-    """Return whether equations change on the way: joints stick and slip, ropes are taut or slack."""
+    """Return whether equations change on the way: joints stick and slip, gaps open and close."""
     return bool(switching_joints(formed) or unilateral_elements(formed))
 
 

@@ -94,7 +94,7 @@ static int happen(Motion *m)
 #endif
         if (W[SB_W_HAS_ACTED] != 0.0) m->has_modes = 0;
         W[SB_W_HAS_ACTED] = 0.0;
-        if (!m->has_modes && has_long_rope(m)) m->unmet = LONG_ROPE;
+        if (!m->has_modes && has_overlap(m)) m->unmet = OVERLAP;
     }
 #endif
     return code;

@@ -315,7 +315,7 @@ static const char *reason(const Motion *m, const char *otherwise)
         : m->unmet == TORN_MOTION ? "a prescribed position jumps"
         : m->unmet == NO_SPEEDS ? "no speeds satisfy the prescribed rates behind a jump"
         : m->unmet == UNKNOWN_RATES ? "prescribed rates jump further on, which is not known to this FMU"
-        : m->unmet == LONG_ROPE
+        : m->unmet == OVERLAP
         ? "the action of an event moves the ends of a rope farther apart than it is long, or beyond a stop; set coordinates within"
         : otherwise;
 }

@@ -31,21 +31,21 @@ static void release(Motion *m)
 static void note_rates(Motion *m, const double *x) { symbody_note_rates(switch_of(m), (double *)x); }
 
 /* Whether a state that was set has a negative gap. */
-static int has_long_rope(Motion *m)
+static int has_overlap(Motion *m)
 {
     renew_arguments(m);
-    return symbody_find_long_rope(symbody_mechanism_deciding, switch_of(m), clock_of(m), m->x) != 0;
+    return symbody_find_overlap(symbody_mechanism_deciding, switch_of(m), clock_of(m), m->x) != 0;
 }
 
 /* The same of a state to which the motion has come: gaps that were closed are not. */
-static int has_torn_rope(Motion *m)
+static int has_new_overlap(Motion *m)
 {
     int k;
-    if (!has_long_rope(m)) return 0;
+    if (!has_overlap(m)) return 0;
     for (k = 0; k < SB_ELEMENTS; k++) {
         const double *e = element_of(m, k);
-        int was_taut = e[SB_M_BEFORE] != 0.0 && e[SB_M_MODE] == 0.0;
-        if (e[SB_M_IS_ROPE] != 0.0 && !was_taut && e[SB_M_SLACKNESS] < -LONGEST * e[SB_M_LENGTH]) return 1;
+        int was_closed = e[SB_M_BEFORE] != 0.0 && e[SB_M_MODE] == 0.0;
+        if (e[SB_M_IS_GAP] != 0.0 && !was_closed && e[SB_M_WIDTH] < -LONGEST * e[SB_M_LENGTH]) return 1;
     }
     return 0;
 }
@@ -55,7 +55,7 @@ static int switch_modes(Motion *m)
 {
     double *S = switch_of(m), x[SB_N], rows[2 * (3 + SB_ELEMENTS + SB_N)];
     int k, code;
-    if (has_torn_rope(m)) return NOT_CLOSED;
+    if (has_new_overlap(m)) return NOT_CLOSED;
     memcpy(x, m->x, sizeof x);
     S[SB_S_RECORDED] = 0.0;
     renew_arguments(m);
@@ -100,7 +100,7 @@ static int have_ended(Motion *m)
 static void forget_modes(Motion *m) { (void)m; }
 static void release(Motion *m) { (void)m; }
 static void note_rates(Motion *m, const double *x) { (void)m, (void)x; }
-static int has_long_rope(Motion *m) { return (void)m, 0; }
+static int has_overlap(Motion *m) { return (void)m, 0; }
 static int switch_modes(Motion *m) { return (void)m, SOLVED; }
 static int have_torn_shares(Motion *m) { return (void)m, 0; }
 static int have_ended(Motion *m) { return (void)m, 0; }

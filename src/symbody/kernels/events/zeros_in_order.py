@@ -313,7 +313,7 @@ def act(a: Function, c: Function, monitor: EventMonitor, place: int, t: float) -
 
 
 def release_closing(monitor: EventMonitor) -> None:
-    """Let no joint stick and no rope be taut where states are closed after an action."""
+    """Let no joint stick and no gap be closed where states are closed after an action."""
     if exists(monitor.closing):
         numbers = monitor.closing.numbers
         for k in range(monitor.mode_count):

@@ -10,10 +10,10 @@ from symbody.kernels.modes.mode_switch import ModeSwitch, SwitchingElement
 
 
 def fill_problem(modes: ModeSwitch, is_shock: int) -> None:
-    """Write what decides into the mode problem; ropes that are slack whatever efforts are take no part.
+    """Write what decides into the mode problem; gaps that are open whatever efforts are take no part.
 
-    At length 0 these have no direction. Of a shock, ropes at their length alone, with rates in the place of
-    accelerations.
+    A rope of length 0 has no direction. Of a shock, gaps at zero alone and friction in them, with rates in
+    the place of accelerations.
     """
     problem = modes.problem
     candidates = modes.candidates
@@ -55,7 +55,7 @@ def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
     if place < 0:
         return 1 - is_shock
     element = modes.elements[place]
-    if element.is_rope == 0.0:
+    if element.is_gap == 0.0:
         if is_shock == 1 and element.gap == 0:
             return 0
         return 1 - int(element.absent)
@@ -66,7 +66,7 @@ def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
 
 def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place: int, is_shock: int) -> None:
     """Write one candidate into the mode problem."""
-    joints = modes.candidates - modes.ropes
+    joints = modes.candidates - modes.gaps
     size = modes.out[3 * joints + candidate_block(modes) + candidate]
     element.law = BOUNDED
     element.scale = modes.units[candidate]
@@ -112,7 +112,7 @@ def copy_responses(modes: ModeSwitch, is_shock: int) -> None:
     problem = modes.problem
     n = modes.candidates
     count = problem.rows
-    first = 3 * (n - modes.ropes)
+    first = 3 * (n - modes.gaps)
     offsets = part(modes.out, first, n)
     responses = part(modes.out, first + n, n * n)
     loads = part(modes.out, first + n + n * n, modes.components)
@@ -145,7 +145,7 @@ def row_rate(modes: ModeSwitch, i: int) -> float:
 def rate_behind(modes: ModeSwitch, i: int) -> float:
     """Return the rate along a row of the mode problem that the impulses so far leave."""
     count = modes.candidates
-    first = 3 * (count - modes.ropes) + count
+    first = 3 * (count - modes.gaps) + count
     responses = part(modes.out, first + int(modes.acting[i]) * count, count)
     rate = row_rate(modes, i)
     for j in range(modes.problem.rows):
@@ -158,8 +158,8 @@ def acceleration_of(modes: ModeSwitch, candidate: int) -> float:
     """Return the acceleration along the row of a candidate with the efforts that were found."""
     problem = modes.problem
     count = modes.candidates
-    total = modes.out[3 * (count - modes.ropes) + candidate]
-    responses = part(modes.out, 3 * (count - modes.ropes) + count + candidate * count, count)
+    total = modes.out[3 * (count - modes.gaps) + candidate]
+    responses = part(modes.out, 3 * (count - modes.gaps) + count + candidate * count, count)
     for k in range(problem.rows):
         if int(modes.acting[k]) == candidate:
             return problem.accelerations[k]
@@ -170,7 +170,7 @@ def acceleration_of(modes: ModeSwitch, candidate: int) -> float:
 def slight_effort(modes: ModeSwitch, element: SwitchingElement) -> float:
     """Return the effort of an element that is rounding; 0 if it accelerates nothing."""
     n = modes.candidates
-    joints = n - modes.ropes
+    joints = n - modes.gaps
     c = element.candidate
     response = modes.out[3 * joints + n + c * n + c]
     size = modes.out[3 * joints + candidate_block(modes) + c]

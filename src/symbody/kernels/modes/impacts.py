@@ -20,11 +20,11 @@ from symbody.kernels.modes.mode_state import (
     SETTLED,
     UNWRITTEN,
     energy_of,
-    is_tight,
+    is_closed,
     measure,
     record,
     slow_rate,
-    was_taut,
+    was_closed,
 )
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
 from symbody.kernels.runge_kutta import copy
@@ -33,10 +33,10 @@ LEAST_SHARE: Final = 1e-3  # of restitution
 
 
 def are_struck(modes: ModeSwitch) -> int:
-    """Return 1 if the ends of a rope at its length move apart that was not taut, else 0."""
+    """Return 1 if a gap at zero closes further that was not closed, else 0."""
     for k in range(modes.count):
         element = modes.elements[k]
-        if element.is_rope != 0.0 and was_taut(element) == 0 and is_tight(element) == 1:
+        if element.is_gap != 0.0 and was_closed(element) == 0 and is_closed(element) == 1:
             if element.rate < -slow_rate(modes, element):
                 return 1
     return 0
@@ -72,7 +72,7 @@ def find_impulses(modes: ModeSwitch) -> int:
         element.impulse = 0.0
         element.opens = HOLDS
         element.is_decided = 0.0
-        if element.is_rope != 0.0 and is_tight(element) == 0:
+        if element.is_gap != 0.0 and is_closed(element) == 0:
             element.opens = LOOSE
             element.is_decided = 1.0
     for k in range(modes.count):
@@ -132,7 +132,7 @@ def expand(modes: ModeSwitch, share: float) -> int:
         place = int(modes.places[candidate])
         struck = modes.elements[place]
         shares[i] = 0.0
-        if struck.is_rope != 0.0:
+        if struck.is_gap != 0.0:
             shares[i] = share * struck.restitution * modes.impulses[candidate]
         most = max(most, shares[i])
     verdict = ONE
@@ -167,12 +167,12 @@ def settle_impulses(modes: ModeSwitch) -> None:
     largest = 0.0
     for k in range(modes.count):
         element = modes.elements[k]
-        if element.is_rope != 0.0:
+        if element.is_gap != 0.0:
             element.impulse = modes.impulses[element.candidate]
             largest = max(largest, element.impulse)
     for k in range(modes.count):
         struck = modes.elements[k]
-        if struck.is_rope != 0.0:
+        if struck.is_gap != 0.0:
             if struck.impulse > BALANCED * largest:
                 struck.mode = HOLDS
                 struck.written = UNWRITTEN
@@ -182,7 +182,7 @@ def settle_impulses(modes: ModeSwitch) -> None:
 
 def add_impulses(modes: ModeSwitch, x: Reals) -> None:
     """Add to speeds what the impulses change them by."""
-    first = 3 * (modes.candidates - modes.ropes) + candidate_block(modes) + modes.candidates
+    first = 3 * (modes.candidates - modes.gaps) + candidate_block(modes) + modes.candidates
     for k in range(modes.candidates):
         column = part(modes.out, first + k * modes.speeds, modes.speeds)
         for i in range(modes.speeds):
@@ -203,6 +203,6 @@ def rest_of_impacts(modes: ModeSwitch) -> float:
             element = modes.elements[place]
             back = problem.responses[i * problem.rows + i] * problem.efforts[i]
             left = 1.0 - element.restitution
-            if element.is_rope != 0.0 and element.impulse > 0.0 and element.rate > 0.0 and back * left > 0.0:
+            if element.is_gap != 0.0 and element.impulse > 0.0 and element.rate > 0.0 and back * left > 0.0:
                 longest = max(longest, 2.0 * element.rate / (back * left))
     return longest

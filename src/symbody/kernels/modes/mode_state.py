@@ -14,14 +14,14 @@ from symbody.kernels.runge_kutta import call, copy
 # What deciding and striking return.
 SETTLED: Final = 0
 NO_MODES: Final = 1  # that fit all laws, or more than one; see `verdict`
-NO_SPEEDS: Final = 2  # that keep the ropes taut
+NO_SPEEDS: Final = 2  # that keep gaps from closing further
 FUNCTION_FAULT: Final = 3
-LONG_ROPE: Final = 4  # an action left a rope longer than it can be
+OVERLAP: Final = 4  # an action left parts that overlap, or a rope longer than it can be
 
 AT_REST: Final = 1e-9  # of the largest rates so far, `symbody.tolerances`
-AT_LENGTH: Final = 2e-9  # of its length: a rope that is closer to it is taut
+AT_LENGTH: Final = 2e-9  # of its length: a gap below that is closed
 GAP_NUMBERS: Final = 4  # gap, rate, scale, restitution
-UNWRITTEN: Final = 2  # no mode: the next one is written down
+UNWRITTEN: Final = 2.0  # no mode: the next one is written down
 
 
 def forget_modes(modes: ModeSwitch) -> None:
@@ -37,19 +37,19 @@ def measure(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     if status != 0:
         modes.fault = status
         return status
-    size = modes.rates + GAP_NUMBERS * modes.ropes
+    size = modes.rates + GAP_NUMBERS * modes.gaps
     motion = part(modes.out, modes.out_size - 1 - size, size)
     place = 0
     for k in range(modes.count):
         element = modes.elements[k]
-        if element.is_rope != 0.0:
-            gap = modes.rates + k - (modes.count - modes.ropes)
-            element.slackness = motion[gap]
-            element.rate = motion[gap + modes.ropes]
-            element.length = motion[gap + 2 * modes.ropes]
+        if element.is_gap != 0.0:
+            gap = modes.rates + k - (modes.count - modes.gaps)
+            element.width = motion[gap]
+            element.rate = motion[gap + modes.gaps]
+            element.length = motion[gap + 2 * modes.gaps]
             if element.length == 0.0:
                 element.length = element.unit
-            element.restitution = motion[gap + 3 * modes.ropes]
+            element.restitution = motion[gap + 3 * modes.gaps]
         else:
             element.rate = motion[place]
             element.across = 0.0
@@ -75,16 +75,16 @@ def slow_rate(modes: ModeSwitch, element: SwitchingElement) -> float:
     return AT_REST * modes.fastest * element.unit
 
 
-def was_taut(element: SwitchingElement) -> int:
-    """Return 1 if a rope was taut in the mode that still matters, else 0."""
+def was_closed(element: SwitchingElement) -> int:
+    """Return 1 if a gap was closed in the mode that still matters, else 0."""
     if element.before != 0.0 and element.mode == HOLDS:
         return 1
     return 0
 
 
-def is_tight(element: SwitchingElement) -> int:
-    """Return 1 if a rope is at its length: one that was taut is, whatever drift there is."""
-    if was_taut(element) == 1 or element.slackness <= AT_LENGTH * element.length:
+def is_closed(element: SwitchingElement) -> int:
+    """Return 1 if a gap is at zero: one that was closed is, whatever drift there is."""
+    if was_closed(element) == 1 or element.width <= AT_LENGTH * element.length:
         return 1
     return 0
 
@@ -123,6 +123,20 @@ def mode_input(modes: ModeSwitch, place: int) -> float:
     if element.aside < 0.0:
         return 1.0 - 0.125 * (1.0 - element.ahead / size)
     return 1.0 + 0.125 * (1.0 - element.ahead / size)
+
+
+def take_mode(modes: ModeSwitch, place: int, value: float) -> None:
+    """Give an element the mode, and the heading, that a value of `mode_input` stands for."""
+    element = modes.elements[place]
+    element.mode = HOLDS
+    if abs(value) > 0.5:
+        element.mode = int(sign(value))
+    if element.rows == 2 and element.mode != HOLDS:
+        side = 8.0 * (value - 1.0)
+        aside = side
+        if abs(side) > 1.0:
+            aside = (2.0 - abs(side)) * sign(side)
+        head(modes, place, 1.0 - abs(side), aside)
 
 
 def record(modes: ModeSwitch, Z: Reals, kind: float, t: float, x: Reals, lost: float) -> None:
@@ -166,9 +180,7 @@ def rewind_modes(modes: ModeSwitch, Z: Reals, t: float) -> None:
         return
     for k in range(modes.count):
         element = modes.elements[k]
-        element.mode = HOLDS
-        if abs(Z[size * last + 3 + k]) > 0.5:
-            element.mode = int(sign(Z[size * last + 3 + k]))
-        element.written = element.mode
+        element.written = Z[size * last + 3 + k]
         element.ended = 0.0
+        take_mode(modes, k, element.written)
     modes.recorded = last + 1

@@ -1,4 +1,4 @@
-"""`ModeSwitch`: the modes of joints that stick and slip and of ropes along a motion, and what decides."""
+"""`ModeSwitch`: the modes of what sticks and slips and of gaps along a motion, and what decides."""
 
 from typing import Final
 
@@ -9,25 +9,23 @@ from symbody.kernels.record_layout import RecordLayout, Rows, pointer
 
 # What a row of the record of modes holds first.
 DECIDED: Final = 0.0  # modes from then on
-SHOCK: Final = 1.0  # impulses of ropes
+SHOCK: Final = 1.0  # impulses along gaps
 
 
 class SwitchingElement(RecordLayout):
-    """A joint that sticks and slips, or a rope. What is asked by *whether* is 1 or 0.
+    """What sticks and slips, or a gap: of a stop, a contact or a rope. What is asked by *whether* is 1 or 0.
 
-    Its mode is one of `mode_problem`: 0 while it sticks or is taut, 1 or -1 as it slips, 1 for a slack rope.
+    Its mode is one of `mode_problem`: 0 while it sticks or is closed, 1 or -1 as it slips, 1 for an open gap.
     """
 
-    candidate: (
-        int  # its place among all candidates; a contact that slips in two directions has the next one, too
-    )
-    rows: int  # how many candidates it has: two in such a contact
+    candidate: int  # its place among all candidates
+    rows: int  # how many candidates it has: a contact that slips in two directions has the next one, too
     gap: int  # of the friction of a contact: the element that is its gap, from 1; else 0
     absent: float  # whether that gap is open, so that there is no friction
-    is_rope: float
+    is_gap: float
     unit: float  # what counts as a large displacement: 1 rad, or the size of the mechanism
     mode: int
-    written: int  # its mode in the record
+    written: float  # its mode in the record, with the heading of a contact
     before: float  # whether the mode still matters where others are decided
     opens: int  # the mode with which the search begins
     is_decided: float  # whether that is its mode
@@ -36,7 +34,7 @@ class SwitchingElement(RecordLayout):
     across: float  # the rate along the second direction of a contact
     ahead: float  # along both, the heading with which it began to slip
     aside: float
-    slackness: float
+    width: float  # of the gap, below 0 where parts overlap or a rope is too long
     length: float  # what the gap is small against
     restitution: float
     impulse: float  # in the last shock [N s]
@@ -51,8 +49,8 @@ class ModeSwitch(RecordLayout):
     scales and restitution, and the energy. Another one writes residuals and moves that project a state.
     """
 
-    count: int  # elements: joints, then ropes
-    ropes: int
+    count: int  # elements: joints, then gaps
+    gaps: int
     rates: int  # of what sticks and slips, of contacts two
     candidates: int  # directions of friction that is to be found, then gaps
     components: int  # of reactions that friction reads

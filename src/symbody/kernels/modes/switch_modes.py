@@ -23,14 +23,15 @@ from symbody.kernels.modes.mode_state import (
     energy_of,
     forget_modes,
     head,
-    is_tight,
+    is_closed,
     measure,
+    mode_input,
     note_rates,
     record,
     show_modes,
     slow_rate,
     speed_of,
-    was_taut,
+    was_closed,
 )
 from symbody.kernels.modes.mode_switch import DECIDED, ModeSwitch, SwitchingElement
 from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
@@ -41,7 +42,7 @@ FAST: Final = 1e6  # ends that approach so many times faster than at rest do not
 
 
 def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float, x: Reals) -> int:
-    """Let ropes strike and decide the modes at a state x = (u, q, s, work); return one of the codes above.
+    """Let gaps strike and decide the modes at a state x = (u, q, s, work); return one of the codes above.
 
     Speeds are changed to fit the modes; by what the energy changes is work. Z has room for two more rows.
     """
@@ -89,7 +90,7 @@ def decide_at_speeds(modes: ModeSwitch) -> int:
     open_elements(modes, 0)
     choose_direction(modes)
     verdict = decide(modes)
-    if modes.ropes > 0 and verdict == ONE and open_elements(modes, 1) == 1:
+    if modes.gaps > 0 and verdict == ONE and open_elements(modes, 1) == 1:
         verdict = decide(modes)
     modes.verdict = verdict
     if verdict != ONE:
@@ -116,20 +117,20 @@ def slip_back(modes: ModeSwitch) -> int:
 
 def slip_along(element: SwitchingElement) -> float:
     """Return how fast an element slips as its mode says; 0 for one that does not slip."""
-    if element.is_rope != 0.0 or element.mode == HOLDS or element.absent != 0.0:
+    if element.is_gap != 0.0 or element.mode == HOLDS or element.absent != 0.0:
         return 0.0
     if element.rows == 2:
         return element.rate * element.ahead + element.across * element.aside
     return float(element.mode) * element.rate
 
 
-def find_long_rope(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
-    """Return which element is a rope longer than it can be at a state that was set, from 1; 0 for none."""
-    if modes.ropes == 0 or measure(d, modes, t, x) != 0:
+def find_overlap(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
+    """Return which element is a gap below zero at a state that was set, from 1; 0 for none."""
+    if modes.gaps == 0 or measure(d, modes, t, x) != 0:
         return 0
     for k in range(modes.count):
         element = modes.elements[k]
-        if element.is_rope != 0.0 and element.slackness < -AT_LENGTH * element.length:
+        if element.is_gap != 0.0 and element.width < -AT_LENGTH * element.length:
             return k + 1
     return 0
 
@@ -137,7 +138,7 @@ def find_long_rope(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
 def open_elements(modes: ModeSwitch, again: int) -> int:
     """Say what is known of each element before modes are decided; return 1 if that differs from before.
 
-    What moves has its mode. A rope is slack if it is shorter or its ends approach; `again` if the mode
+    What moves has its mode. A gap is open if it is above zero or grows; `again` if the mode
     problem holds accelerations of a first decision.
     """
     differs = 0
@@ -149,8 +150,8 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
         element.absent = 0.0
         if element.gap > 0:
             element.absent = modes.elements[element.gap - 1].is_decided
-        if element.is_rope != 0.0:
-            if is_slack(modes, element, again) == 1:
+        if element.is_gap != 0.0:
+            if is_open(modes, element, again) == 1:
                 opens = LOOSE
                 is_decided = 1.0
         elif element.absent != 0.0:
@@ -162,7 +163,7 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
                 opens = LOOSE
                 head(modes, k, element.rate, element.across)
             is_decided = 1.0
-        if again == 0 or element.is_rope != 0.0 or element.gap > 0:
+        if again == 0 or element.is_gap != 0.0 or element.gap > 0:
             if opens != element.opens or is_decided != element.is_decided:
                 differs = 1
             element.opens = opens
@@ -180,17 +181,17 @@ def has_turned(element: SwitchingElement) -> int:
     return 0
 
 
-def is_slack(modes: ModeSwitch, element: SwitchingElement, again: int) -> int:
-    """Return 1 if a rope is slack whatever efforts are, else 0.
+def is_open(modes: ModeSwitch, element: SwitchingElement, again: int) -> int:
+    """Return 1 if a gap is open whatever efforts are, else 0.
 
-    One that is taut again before its ends have measurably approached stays taut.
+    One that closes again before it has measurably grown stays closed.
     """
-    if element.ended != 0.0 and was_taut(element) == 1:
+    if element.ended != 0.0 and was_closed(element) == 1:
         return 1
-    if is_tight(element) == 0:
+    if is_closed(element) == 0:
         return 1
     rate = element.rate
-    if was_taut(element) == 1:
+    if was_closed(element) == 1:
         rate = 0.0
     slow = slow_rate(modes, element)
     if rate > slow:
@@ -231,7 +232,7 @@ def find_broken(modes: ModeSwitch) -> int:
     broken = -1
     for k in range(modes.count):
         element = modes.elements[k]
-        if element.is_rope == 0.0 and element.ended != 0.0 and element.before != 0.0:
+        if element.is_gap == 0.0 and element.ended != 0.0 and element.before != 0.0:
             if element.mode == HOLDS and element.is_decided == 0.0:
                 broken = k
     return broken
@@ -264,10 +265,11 @@ def take_modes(modes: ModeSwitch) -> int:
                 mode = LOOSE
         if mode != element.mode:
             modes.changed = 1.0
-        if mode != element.written:
-            is_new = 1
         element.mode = mode
-        element.written = mode
+        value = mode_input(modes, k)  # what slips on along another heading is written down, too
+        if value != element.written:
+            is_new = 1
+        element.written = value
         element.before = 1.0
         element.ended = 0.0
     modes.known = 1.0
@@ -328,7 +330,7 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
 def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
-    A slack rope that is at its length up to rounding is exactly there, and one without tension but for
+    An open gap that is zero up to rounding is exactly there, and a closed one without effort but for
     rounding has none. The value of an element that shares its effort says nothing, and never falls to zero.
     """
     for k in range(modes.count):
@@ -336,10 +338,10 @@ def set_levels(modes: ModeSwitch) -> None:
         element.level = 0.0
         if element.shares != 0.0 or element.absent != 0.0:
             element.level = -NEVER
-        elif element.is_rope != 0.0:
+        elif element.is_gap != 0.0:
             if element.mode != HOLDS:
-                if abs(element.slackness) <= AT_LENGTH * element.length:
-                    element.level = element.slackness
+                if abs(element.width) <= AT_LENGTH * element.length:
+                    element.level = element.width
             else:
                 element.level = CANCELLED / BALANCED * slight_effort(modes, element)
 
@@ -349,6 +351,6 @@ def slight_value(modes: ModeSwitch, place: int) -> float:
     element = modes.elements[place]
     if element.mode == HOLDS:
         return slight_effort(modes, element)
-    if element.is_rope != 0.0:
+    if element.is_gap != 0.0:
         return AT_LENGTH * element.length
     return slow_rate(modes, element)

@@ -1,12 +1,10 @@
-"""A motion along which joints stick and slip and ropes go taut: at an end of a mode it goes on in others.
+"""A motion along which joints stick and slip and gaps close: at an end of a mode it goes on in others.
 
-All else that happens on its way is that of `sampled_motion`: events and samples come before modes, which are
+All else that happens on its way is in `motion_loop`: events and samples come before modes, which are
 decided where one has ended, and where an action, a sample or a jump has changed what they follow from.
 """
 
 from __future__ import annotations
-
-from typing import Final
 
 from symbody.kernels.block import (
     MODE_FAULT,
@@ -27,19 +25,17 @@ from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.modes.end_of_shares import find_end_of_shares, shares_hold
 from symbody.kernels.modes.mode_state import (
     FUNCTION_FAULT,
-    LONG_ROPE,
     NO_MODES,
     NO_SPEEDS,
+    OVERLAP,
     SETTLED,
     forget_modes,
     show_modes,
 )
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.switch_modes import find_long_rope, settle_modes
+from symbody.kernels.modes.switch_modes import find_overlap, settle_modes
 from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
-
-MOST_ROWS: Final = 4  # of the record of modes that one step may take
 
 
 def show_all_modes(
@@ -97,7 +93,7 @@ def run_code(code: int) -> int:
         return UNDECIDED
     if code == NO_SPEEDS:
         return UNMOVABLE
-    if code == LONG_ROPE:
+    if code == OVERLAP:
         return TOO_LONG
     if code == FUNCTION_FAULT:
         return MODE_FAULT
@@ -113,7 +109,7 @@ def switch_at_cut(
     state = monitor.after
     note_ends(modes, monitor)
     if monitor.has_acted != 0.0:
-        modes.culprit = find_long_rope(d, modes, monitor.cut, state)
+        modes.culprit = find_overlap(d, modes, monitor.cut, state)
         if modes.culprit != 0:
             return TOO_LONG
     code = settle_modes(d, w, modes, Z, monitor.cut, state)

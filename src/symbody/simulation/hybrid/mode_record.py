@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from symbody.equations.solving.modal_equations import ModalEquations
 from symbody.kernels.modes.mode_problem import HOLDS
+from symbody.kernels.modes.mode_state import mode_input
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
 from symbody.model.constraints import Distance
 from symbody.simulation.events.events import ModeChange, Occurrence
@@ -62,9 +63,9 @@ class ModalElements(NamedTuple):
 def modal_elements(modal: ModalEquations) -> ModalElements:
     """Return the elements of equations with modes."""
     ropes = {part.name for part in modal.eqs.model.constraints if isinstance(part, Distance)}
-    gaps = ["rope" if name in ropes else "stop" for name in modal.ropes]
+    gaps = ["rope" if name in ropes else "stop" for name in modal.gaps]
     slips = ["contact" if len(modal.laws_of(name)) > 1 else "joint" for name in modal.joints]
-    return ModalElements(modal.joints, modal.ropes, (*slips, *gaps))
+    return ModalElements(modal.joints, modal.gaps, (*slips, *gaps))
 
 
 class ModeRecord:
@@ -125,8 +126,8 @@ class ModeRecord:
         return np.column_stack([rows[:, 1], rows[:, 3 : 3 + len(self._places)]])
 
     def current(self, name: str) -> float:
-        """Return a mode at present."""
-        return float(self._switch.elements[self._places[name]].mode)
+        """Return a mode at present, with the heading of a contact."""
+        return mode_input(self._switch, self._places[name])
 
     def values_at(self, name: str, t: Floats) -> Floats:
         """Return a mode at times (N,) in order; of two equal ones at a change the first is before it."""
@@ -139,6 +140,12 @@ class ModeRecord:
         places[first] = np.maximum(np.searchsorted(times, t[first], side="left") - 1, 0)
         values: Floats = rows[places, 1 + self._places[name]]
         return values
+
+    @property
+    def inputs(self) -> HeldRecord | None:
+        """The modes from each decision on, as the equations read them; None before there are any."""
+        rows = self._decisions
+        return HeldRecord(tuple(self._places), rows[:, 0], rows[:, 1:].T) if len(rows) else None
 
     @property
     def changes(self) -> tuple[ModeChange, ...]:
@@ -244,17 +251,3 @@ def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
                 f"stop {name}: {times}, the last at t = {struck[-1, 1]:.9g} s; "
                 f"{struck[:, 2].sum():.6g} J are lost, by Poisson's law for all impacts of one instant"
             )
-
-
-def held_modes(
-    inputs: tuple[str, ...], elements: Sequence[str], changes: Sequence[ModeChange]
-) -> HeldRecord | None:
-    """Return the modes of elements along a motion as inputs that are held; None without any."""
-    if not changes:
-        return None
-    numbers = {word: float(mode) for words in MODE_WORDS.values() for mode, word in words.items()}
-    times = np.unique([change.t for change in changes])
-    values = np.empty((len(inputs), times.size))
-    for change in changes:
-        values[elements.index(change.name), np.searchsorted(times, change.t) :] = numbers[change.mode]
-    return HeldRecord(inputs, times, values)

@@ -46,7 +46,7 @@ class PassedJumps:
     span : tuple of float
         Of the run [s].
     modes : SwitchingModes, optional
-        Those of joints and ropes, which hold nothing at a jump.
+        Those of joints and gaps, which hold nothing at a jump.
     ends_behind : bool
         Whether the run ends just behind each jump, as modes are decided outside.
 

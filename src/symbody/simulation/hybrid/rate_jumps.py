@@ -93,9 +93,8 @@ class PlannedJumps(NamedTuple):
 
     def part(self, span: tuple[float, float]) -> PlannedJumps:
         """Return those that a part of the motion passes."""
-        low, high = (-t for t in span) if span[1] < span[0] else span
-        way = 1.0 if span[1] >= span[0] else -1.0
-        return PlannedJumps(tuple(t for t in self.times if low < way * t <= high), self.margin)
+        low, high = min(span), max(span)
+        return PlannedJumps(tuple(t for t in self.times if low < t <= high), self.margin)
 
     def rows(self, span: tuple[float, float]) -> Floats:
         """Return the rows of a `RateJump` for each."""

@@ -148,7 +148,7 @@ class SwitchingModes:
 
     def _permanent(self, problem: SimulationProblem) -> SimulationProblem:
         """Return the problem without what holds in some modes only."""
-        return replace(problem, eqs=permanent_equations(problem.eqs)) if self.modal.ropes else problem
+        return replace(problem, eqs=permanent_equations(problem.eqs)) if self.modal.gaps else problem
 
     def _deciding_function(
         self, problem: SimulationProblem
@@ -296,7 +296,7 @@ class SwitchingModes:
             See above.
         """
         state = np.append(x, 0.0)
-        place = _kernel("find_long_rope")(self._decides, address(self._block), t, address(state))
+        place = _kernel("find_overlap")(self._decides, address(self._block), t, address(state))
         if place:
             self.switch.culprit = place
             raise DeadEndError(t, Status.UNMET_ACTION, self._out_of_reach(actor))
@@ -349,7 +349,7 @@ def deciding_outputs(modal: ModalEquations) -> tuple[OutputName, ...]:
     """Return what decides about modes, outputs of the equations whose modes are open; see `ModeSwitch`."""
     words = ("row_gap", "gap_dot", "gap_scale", "restitution")
     rates = [f"friction_rate {law.name}" for law in modal.laws]
-    return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.ropes)), "energy"
+    return OF_MODES, (*rates, *(f"{word} {name}" for word in words for name in modal.gaps)), "energy"
 
 
 def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
@@ -361,7 +361,7 @@ def mode_ends(modal: ModalEquations) -> tuple[ModeEnd, ...]:
         joints.append((mode, name, f"'friction_reserve {name}'", slip))
     lines = [
         (mode, name, f"'opening_effort {name}'", f"'row_gap {name}'")
-        for mode, name in zip(modal.modes[len(joints) :], modal.ropes, strict=True)
+        for mode, name in zip(modal.modes[len(joints) :], modal.gaps, strict=True)
     ]
     return tuple(
         ModeEnd(f"if(abs({mode}) < 1/2, {held}, {loose})", -1, "stop", f"mode of {name}")
@@ -387,9 +387,9 @@ def mode_block(
     """
     laws = candidate_laws(eqs.formed)
     counts: list[int] = eqs.plans.get("reaction sizes", lambda: reaction_sizes(eqs.formed))
-    gaps, length = len(modal.ropes), scales.length
+    gaps, length = len(modal.gaps), scales.length
     n, components = len(laws) + gaps, sum(counts)
-    turning = [law.turns for law in laws] + [eqs.units.get(f"gap {name}") == "rad" for name in modal.ropes]
+    turning = [law.turns for law in laws] + [eqs.units.get(f"gap {name}") == "rad" for name in modal.gaps]
     units = [1.0 if turns else length for turns in turning]
     elements, owners = _elements(modal, laws, units)
     problem = pack(
@@ -397,7 +397,7 @@ def mode_block(
         elements=[pack(ModeElement) for _ in range(n)],
     )  # fmt: skip
     return pack(
-        ModeSwitch, count=len(modal.names), ropes=gaps, rates=len(modal.laws), candidates=n,
+        ModeSwitch, count=len(modal.names), gaps=gaps, rates=len(modal.laws), candidates=n,
         components=components, states=len(eqs.state_names) + 1, speeds=len(eqs.speed_names),
         out_size=deciding[1], moves_size=projecting[1], first_input=first_input, length=length,
         time=scales.time, fastest=1.0 / scales.time, elements=elements, places=owners,
@@ -413,7 +413,7 @@ def _elements(
     """Return the elements of a `ModeSwitch`, and the element of each candidate, -1 for smooth friction."""
     names, owners, elements = [law.element for law in laws], [-1] * len(units), []
     formed = modal.eqs.formed
-    places = {unilateral_row(formed, name).name: k for k, name in enumerate(modal.ropes)}
+    places = {unilateral_row(formed, name).name: k for k, name in enumerate(modal.gaps)}
     for place, name in enumerate(modal.joints):
         first, rows = names.index(name), names.count(name)
         touch = laws[first].touch
@@ -422,12 +422,10 @@ def _elements(
             pack(SwitchingElement, candidate=first, rows=rows, gap=gap, unit=units[first], mode=LOOSE)
         )
         owners[first : first + rows] = [place] * rows
-    for k in range(len(modal.ropes)):
+    for k in range(len(modal.gaps)):
         candidate = len(laws) + k
         elements.append(
-            pack(
-                SwitchingElement, candidate=candidate, rows=1, is_rope=1.0, unit=units[candidate], mode=LOOSE
-            )
+            pack(SwitchingElement, candidate=candidate, rows=1, is_gap=1.0, unit=units[candidate], mode=LOOSE)
         )
         owners[candidate] = len(modal.joints) + k
     return elements, owners
@@ -497,7 +495,7 @@ def _library() -> Mapping[str, Callable[..., int]]:
     real, integer = ctypes.c_double, ctypes.c_int64
     kinds: dict[str, list[Any]] = {
         "settle_modes": [*[_POINTER] * 4, real, _POINTER],
-        "find_long_rope": [_POINTER, _POINTER, real, _POINTER],
+        "find_overlap": [_POINTER, _POINTER, real, _POINTER],
         "note_end_of_shares": [*[_POINTER] * 2, integer, *[_POINTER] * 3],
     }
     addresses = load_kernels("switching_motion", tuple(kinds), light=True)

@@ -86,6 +86,8 @@ class Trajectory(SampleTable):
         The names of its rows.
     modes : tuple of ModeChange
         (t, name, mode) of joints that stick and slip, ropes and stops: the first of each, then the changes.
+    mode_inputs : HeldRecord, optional
+        The same as the equations read it: names of inputs, times and values, with the headings of contacts.
 
     Examples
     --------
@@ -117,6 +119,7 @@ class Trajectory(SampleTable):
     s: Floats = field(default_factory=lambda: np.zeros((0, 0)), kw_only=True)
     signal_state_names: tuple[str, ...] = field(default=(), kw_only=True)
     modes: tuple[ModeChange, ...] = field(default=(), kw_only=True)
+    mode_inputs: HeldRecord | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if not self.signal_state_names:

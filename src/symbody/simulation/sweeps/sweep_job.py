@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.modal_equations import modal_equations
 from symbody.errors import Problem, SimulationError, SymbodyError, UsageError
 from symbody.kernels.block import Counts
-from symbody.simulation.hybrid.mode_record import held_modes
 from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldRecord, join_records
@@ -205,7 +203,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
     records.x[row] = np.nan
     records.x[row, :samples] = np.concatenate([run.u, run.q, run.s]).T[:samples]
     records.codes[row] = CODES[run.status]
-    statistics, modal = run.statistics, modal_equations(job.eqs)
+    statistics = run.statistics
     counts = {
         "accepted": statistics.accepted,
         "rejected": statistics.rejected or 0,
@@ -221,7 +219,7 @@ def compute_case(job: SweepJob, case: int, records: Records) -> None:
         names,
         np.array(happened, dtype=np.float64),
         run.stored["work"][:samples],
-        held_modes(modal.modes, modal.names, run.modes),
+        run.mode_inputs,
         _held_values(job, run),
     )
 
