@@ -54,16 +54,21 @@ def find_modes(problem: ModeProblem) -> int:
     problem.root = 0
     found = search(problem, undecided)
     if found == 0 and undecided > MOST_UNDECIDED:
-        loosen_all(problem)
-        found = search(problem, undecided)
-    if found == 0 and undecided > MOST_UNDECIDED:
-        hold_all(problem)
-        found = search(problem, undecided)
+        found = search_again(problem, undecided)
     if found == 1 and (gain < 1.0 or undecided > MOST_UNDECIDED):
         return ONE
     if undecided > MOST_UNDECIDED:
         return NOT_FOUND
     return try_all(problem, found)
+
+
+def search_again(problem: ModeProblem, undecided: int) -> int:
+    """Search from where all undecided elements are loose, then from where all hold; return 1 if found."""
+    loosen_all(problem)
+    if search(problem, undecided) == 1:
+        return 1
+    hold_all(problem)
+    return search(problem, undecided)
 
 
 def friction_gain(problem: ModeProblem) -> float:
