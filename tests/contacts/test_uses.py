@@ -92,7 +92,6 @@ FAULTS = [
     ({"shapes": ["plane", "plane"]}, "contact.pair", "there is no formula for a plane that touches a plane"),
     ({"shapes": ["half_space", "point"]}, "contact.shape", "'half_space' is not a shape"),
     ({"shapes": ["plane", {"sphere": ["r", 1]}]}, "contact.sizes", "a sphere has radius, not 2 sizes"),
-    ({"shapes": [{"height": "x*z"}, "point"]}, "contact.sizes", "x*z contains z"),
     ({"shapes": ["plane"]}, "model.wrong_number", "1 shape instead of 2"),
     ({"normal": "stiff"}, "contact.normal", "'stiff' is not a normal force"),
     ({"friction": 0.5}, "contact.friction", "0.5 is not Friction"),
@@ -112,6 +111,45 @@ def test_what_is_no_contact_is_told(change: dict[str, object], code: str, text: 
         sb.Contact("C", "ground", "B", **arguments)  # type: ignore[arg-type]
     assert [problem.code for problem in caught.value.problems] == [code]
     assert text in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("shape", "what"),
+    [
+        ({"height": "x*z"}, "'z' is a coordinate"),
+        ({"height": "0.1*sin(t)"}, "'t' is time"),
+        ({"cam": "0.1 + 0.01*sin(angle - t)"}, "'t' is time"),
+    ],
+)
+def test_a_surface_stays_as_it_is_in_its_frame(shape: dict[str, str], what: str) -> None:
+    with pytest.raises(sb.ModelError, match=what):
+        model_of(contact(shapes=[shape, "point"]))
+
+
+@pytest.mark.parametrize("name", ["floor 1", "floor friction", "floor friction 2"])
+def test_points_of_a_rigid_contact_have_their_names_alone(name: str) -> None:
+    model_of(contact(), sb.Stop(name, "z"))
+    with pytest.raises(sb.ModelError, match=f"'{name}' is also what a point of contact floor is called"):
+        model_of(contact(normal="rigid"), sb.Stop(name, "z"))
+
+
+@pytest.mark.parametrize("name", ["contact_force flor", "contact_point flor", "contact_force floor q",
+                                  "contact_point floor q"])  # fmt: skip
+def test_outputs_of_no_rigid_contact_are_told(name: str) -> None:
+    eqs = sb.form_equations(model_of(contact(normal="rigid")))
+    with pytest.raises(sb.SymbodyError, match="is neither an output nor an expression"):
+        sb.compile(eqs, [name])
+
+
+def contact(**change: object) -> sb.Contact:
+    given = {"shapes": ["plane", "point"], "normal": sb.NormalForce(stiffness=1), **change}
+    return sb.Contact("floor", "ground", "B", **given)  # type: ignore[arg-type]
+
+
+def model_of(*elements: object) -> sb.Model:
+    """A body on a plane."""
+    joint = sb.Cartesian("J", "ground", sb.Body("B", mass=1), coordinates=["x", "y", "z"])
+    return sb.Model("m", [joint, *elements])  # type: ignore[list-item]
 
 
 @pytest.mark.parametrize(

@@ -230,7 +230,7 @@ _ALL: Final = (
     OutputKind("gap_dot", CONTACTS, "rate of the gap of a stop", "m/s, rad/s", _STOP, choose_unit=_gap_unit),
     OutputKind("gap_ddot", CONTACTS, "its second rate", "m/s^2, rad/s^2", _STOP, choose_unit=_gap_unit),
     OutputKind("friction_rate", LOADS, "the rate that friction is against", "", _FRICTION, is_readable=False),
-    OutputKind("slip_along", CONTACTS, "slip along the heading of the mode", "", _FRICTION, is_readable=False),
+    OutputKind("slip_along", CONTACTS, "slip along the heading of a mode", "", _FRICTION, is_readable=False),
     OutputKind("row_gap", CONTACTS, "gap of a rope, stop or point of contact", "", _STOP, is_readable=False),
     OutputKind("gap_scale", CONTACTS, "what the gap is small against", "", _STOP, is_readable=False),
     OutputKind("restitution", CONTACTS, "share of the rate that is left after an impact", "", _STOP,

@@ -282,23 +282,31 @@ def _contact_force(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "contact_force C", or one component: of a rigid one by its rows and friction."""
     if f"contact_force {words[0]} z" in formed.loads.measures:
         return _measured_vector(formed, words, "contact_force", "xyz")
-    contacts = (each.name for each in formed.topology.model.elements if isinstance(each, Contact))
-    if words[0] not in contacts:
+    if not _is_entry_of_contact(formed, words):
         return _expression(formed, " ".join(("contact_force", *filter(None, words))))
-    force = rigid_force(formed, words[0])
-    if any(words[1:]):
-        return (), [force["xyz".index(words[1])]]
-    return (len(force),), force
+    return _entries(rigid_force(formed, words[0]), words)
 
 
 def _contact_point(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "contact_point C", or one component: of a rigid one by its rows."""
     if f"contact_point {words[0]} z" in formed.loads.measures:
         return _measured_vector(formed, words, "contact_point", "xyz")
-    place = rigid_point(formed, words[0])
+    if not _is_entry_of_contact(formed, words):
+        return _expression(formed, " ".join(("contact_point", *filter(None, words))))
+    return _entries(rigid_point(formed, words[0]), words)
+
+
+def _is_entry_of_contact(formed: EquationsOfMotion, words: Sequence[str]) -> bool:
+    """Return whether words are the name of a contact, with the letter of a component or without."""
+    contacts = {each.name for each in formed.topology.model.elements if isinstance(each, Contact)}
+    return words[0] in contacts and all(word in {"", *"xyz"} for word in words[1:])
+
+
+def _entries(values: Sequence[Expr], words: Sequence[str]) -> Output:
+    """Return all components of a vector, or the one that is named."""
     if any(words[1:]):
-        return (), [place["xyz".index(words[1])]]
-    return (len(place),), place
+        return (), [values["xyz".index(words[1])]]
+    return (len(values),), values
 
 
 def _gap(formed: EquationsOfMotion, words: Sequence[str]) -> Output:

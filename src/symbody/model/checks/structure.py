@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 from symbody.errors import Problem
@@ -18,6 +19,7 @@ from symbody.model.naming import GROUND
 
 # Elements whose names are symbols, and unique among these.
 AMONG_SYMBOLS: Final = ("signal", "block")
+_POINT_OF_CONTACT: Final = re.compile(r"(.+?)(?: friction| friction \d+| \d+)")
 
 
 def collect_constraints(elements: Iterable[Element]) -> Iterator[ConstraintElement | Contact]:
@@ -34,14 +36,26 @@ def _stops(element: Element) -> tuple[Stop, ...]:
     return element.stops if isinstance(element, Joint | Gear) else ()
 
 
-def duplicate_elements(elements: Iterable[Element], labels: Mapping[int, str]) -> list[Problem]:
+def duplicate_elements(elements: Sequence[Element], labels: Mapping[int, str]) -> list[Problem]:
     """Return a problem for each name that several elements have."""
     sites: dict[str, list[int]] = {}
     for k, element in enumerate(elements):
         if element.kind not in AMONG_SYMBOLS:
             for each in (element, *_stops(element)):
                 sites.setdefault(each.name, []).append(k)
-    return [
+    rigid = {each.name for each in elements if isinstance(each, Contact) and each.is_rigid}
+    points = [
+        Problem(
+            "names.duplicate",
+            f"{labels[places[0]]}, name",
+            f"{name!r} is also what a point of contact {point[1]} is called",
+            "the points of a rigid contact and the friction in them are named after it",
+            "rename one of the two",
+        )
+        for name, places in sites.items()
+        if (point := _POINT_OF_CONTACT.fullmatch(name)) and point[1] in rigid
+    ]
+    return points + [
         Problem(
             "names.duplicate",
             "; ".join(f"{labels[k]}, name" for k in places),

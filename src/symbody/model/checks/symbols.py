@@ -55,9 +55,13 @@ _WORDS: Final = MappingProxyType(
         ),
         Scope.MOTION: ("parameter", "coordinate", "rate", "speed", "table"),
         Scope.POINT: ("parameter", "table"),
+        Scope.SURFACE: ("parameter",),
         Scope.COORDINATE: ("coordinate",),
     }
 )
+
+# Letters for what they say of a point, whatever they are in the model.
+_LETTERS: Final = MappingProxyType({Scope.POINT: ("x", "y", "z"), Scope.SURFACE: ("x", "y")})
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,15 +73,17 @@ class Symbols:
     def allows(self, name: str, scope: Scope) -> bool:
         """Return whether a formula may contain a name."""
         if name in RESERVED_SYMBOLS:
-            return scope is not Scope.COORDINATE and (name == "pi" or scope is not Scope.CONSTANT)
-        if scope is Scope.POINT and name in ("x", "y", "z"):
+            return scope is not Scope.COORDINATE and (
+                name == "pi" or scope not in (Scope.CONSTANT, Scope.SURFACE)
+            )
+        if name in _LETTERS.get(scope, ()):
             return True
         meaning = self.meanings.get(name)
         return meaning is not None and meaning.word in _WORDS[scope]
 
     def allowed_names(self, scope: Scope) -> list[str]:
         """Return all names a formula may contain."""
-        local = ("x", "y", "z") if scope is Scope.POINT else ()
+        local = _LETTERS.get(scope, ())
         return [name for name in (*local, *RESERVED_SYMBOLS, *self.meanings) if self.allows(name, scope)]
 
 

@@ -44,19 +44,13 @@ class ShapeKind(NamedTuple):
     place : str
         How it lies in its frame.
     reads : tuple of str
-        Names that mean something in its formula; of sizes in parameters none.
+        Names that mean something in its formula beside parameters; of sizes none. A model may well have a
+        coordinate x, too. Time is not among them: the velocity of a surface is that of its frame.
     """
 
     sizes: tuple[str, ...]
     place: str
     reads: tuple[str, ...] = ()
-
-    @property
-    def scope(self) -> Scope:
-        """The names that its sizes may contain; a model may well have a coordinate x, too."""
-        if not self.reads:
-            return Scope.CONSTANT
-        return Scope.POINT if "x" in self.reads else Scope.PRESCRIBED
 
 
 # By their words in files. Where one has a length, 0 is one.
@@ -69,7 +63,10 @@ SHAPE_KINDS: Final[Mapping[str, ShapeKind]] = MappingProxyType(
             ("radius", "length"), "about z, its middle in the origin; length without the caps"
         ),
         "cylinder": ShapeKind(("radius", "length"), "about z, its middle in the origin"),
-        "disc": ShapeKind(("radius",), "a thin disc about z, its centre in the origin"),
+        "disc": ShapeKind(
+            ("radius",),
+            "a thin disc about z, its centre in the origin; with a hole or cam axes are taken as parallel",
+        ),
         "torus": ShapeKind(
             ("radius", "tube"), "about z: radius of the circle of centres, and of the tube about it"
         ),
@@ -155,12 +152,7 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
             what = f"a {word} has {', '.join(kind.sizes) or 'no size'}, not {len(sizes)} sizes"
             arguments.add("contact.sizes", path, what, "", f"write {_pattern(word)}")
             return _POINT
-        read = tuple(arguments.formula(size, f"{path}.{word}") for size in sizes)
-        if kind.scope is Scope.POINT and any("z" in formula.names for formula in read):
-            what = f"{read[0]} contains z"
-            why = "a height is a function of x and y: where it is solid, z is less"
-            arguments.add("contact.sizes", path, what, why, f"write {_pattern(word)}")
-        return ContactShape(word, read)
+        return ContactShape(word, tuple(arguments.formula(size, f"{path}.{word}") for size in sizes))
 
     def schema(self) -> Schema:
         """Return a word or an object with one key."""
@@ -212,7 +204,8 @@ class ContactShapeRole(Field[ShapeLike, ContactShape]):
         kind = SHAPE_KINDS[value.word]
         for k, size in enumerate(value.sizes):
             place = f"{path}.{value.word}" + (f"[{k}]" if len(value.sizes) > 1 else "")
-            yield FormulaSite(place, size, kind.scope, () if kind.scope is Scope.POINT else kind.reads, "m")
+            scope = Scope.SURFACE if "x" in kind.reads else Scope.CONSTANT
+            yield FormulaSite(place, size, scope, () if scope is Scope.SURFACE else kind.reads, "m")
 
     def check_numbers(self, check: NumericChecks, owner: object, value: ContactShape, where: str) -> None:
         """Refuse sizes that cannot be."""

@@ -35,7 +35,7 @@ _DISSIPATION: Final = Domain(
 _RESTITUTION: Final = Domain(
     "contact.domain", "the restitution {formula} is {value}",
     "it is the speed after an impact over that before; no finite dissipation makes it 0",
-    "give a number above 0, up to 1, or the dissipation itself", 0.0, above=True, most=1.0,
+    "give a number from 1e-6 to 1, or the dissipation itself", 1e-6, most=1.0,
 )  # fmt: skip
 _SCALE: Final = Domain(
     "contact.domain", "{formula} is {value}", "a law is divided by it", "give a number above 0", 0.0,

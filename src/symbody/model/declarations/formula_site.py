@@ -20,6 +20,7 @@ class Scope(StrEnum):
     MOTION = "parameters, t, coordinates, their rates, and speeds"
     ARGUMENT = "parameters, t, coordinates, rates of these, and speeds"
     POINT = "x, y, z of the point, parameters and t"
+    SURFACE = "x and y of the point and parameters"
     COORDINATE = "the name of a joint's coordinate"
 
 
