@@ -277,3 +277,30 @@ def test_a_box_that_comes_to_rest_by_bounces_stays_there() -> None:
 def test_an_output_of_a_contact_that_is_not_there_is_no_zero(output: str) -> None:
     with pytest.raises(sb.FormulationError, match="flor"):
         sb.compile(ball_on_plane(0.2), output)
+
+
+def flat_box() -> sb.EquationSet:
+    """A box of 1 kg that moves in a vertical plane, above the floor."""
+    box = sb.Body("Box", mass=1, inertia=(0.1, 0.1, 0.1))
+    floor = sb.Contact("floor", "ground", box, ["plane", {"box": (0.4, 0.2, 0.2)}], normal="rigid")
+    joint = sb.Planar("move", "ground", box, axis="y", coordinates=["z", "x", "turn"])
+    return sb.form_equations(sb.Model("box", [joint, floor], gravity=(0, 0, -9.81)))
+
+
+def test_a_box_lies_flat_on_the_corners_of_a_face() -> None:
+    """Four corners, two and two in one place: each bears a quarter; on one edge alone the box would fall."""
+    rest = sb.find_equilibrium(flat_box(), {"z": 0.3, "turn": 0.0})
+    assert rest.q == pytest.approx({"z": 0.1, "x": 0.0, "turn": 0.0}, abs=1e-12)
+    efforts = [float(rest[f"opening_effort floor {k}"]) for k in range(1, 9)]
+    assert sorted(efforts) == pytest.approx([0, 0, 0, 0, *[9.81 / 4] * 4])
+    assert sum("closed with 2.4525" in note for note in rest.notes) == 4
+
+
+def test_symmetric_limits_do_not_close_together() -> None:
+    """An inverted pendulum midway between its limits leans on either."""
+    arm = sb.Body("Arm", mass=1, inertia=(1, 1, 1), frames={"pin": sb.Frame(at=(0, 0, -1))})
+    pin = sb.Revolute("pin", "ground", "Arm.pin", axis="y", coordinate="a",
+                      limits={"low": -0.5, "high": 0.5, "rigid": True})  # fmt: skip
+    rest = sb.find_equilibrium(sb.form_equations(sb.Model("m", [arm, pin], gravity=(0, 0, -10))), {"a": 0})
+    found = {round(one.q["a"], 9): one.verdict for one in (rest, *rest.branches)}
+    assert found == {0.0: "unstable", 0.5: "stable", -0.5: "stable"}

@@ -206,7 +206,7 @@ def test_what_is_said_of_stops() -> None:
     assert "z >= 0 (0 while the gap is closed" in eqs.text()
     with pytest.raises(sb.UsageError, match="stop is open or closed"):
         sb.inverse_dynamics(eqs, {"z": "t"}, [], [0.0])
-    with pytest.raises(sb.UsageError, match="stops open"):
+    with pytest.raises(sb.UsageError, match="gaps open"):
         sb.generate_code(eqs, "z", language="modelica")
     down = sb.Event("t - 0.1", action={"z": "-0.5"}, name="down")
     run = sb.simulate(eqs, 1.0, events=down)

@@ -3,14 +3,14 @@
 An equilibrium is one of the equations with some of the gaps as constraints, whose efforts open them, while
 none of the others is negative. From each start the gaps that are 0 are closed; those whose efforts would shut
 them open, and those that would be negative close until all fit (an active-set method; Nocedal & Wright 2006,
-section 16.5). From the guess each gap is closed by itself, too. If nothing leads to an equilibrium, all sets
-are tried.
+section 16.5). From the guess each gap is closed by itself, too, those with equal shares together first: a box
+lies on all corners of a face. If nothing leads to an equilibrium, all sets are tried.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations, islice
 from typing import Final
 
@@ -30,7 +30,8 @@ Floats = NDArray[np.float64]
 
 _MOST_SETS: Final = 64
 _FEW_STARTS: Final = 8  # for each set
-_FEW_GAPS: Final = 16  # that are closed at the guess, one at a time
+_FEW_GROUPS: Final = 16  # of gaps that are closed from the guess, one after the other
+_EQUAL: Final = 9  # decimal digits of shares that are equal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,20 +91,51 @@ class ClosedGapSearch:
         starts = self.search_with(frozenset()).starts()
         good: list[Candidate] = []
         others: list[Candidate] = []
+        settled: set[frozenset[str]] = set()  # from the guess
         for start in starts:
-            closed = (
-                self._closed_gaps(start, 0.0)
-                if start is not self.start
-                else self._closed_gaps(start, AT_LENGTH)
-            )
-            self._sort(self._settle(start, closed), good, others)
-        for name in self.names[:_FEW_GAPS]:
-            self._sort(self._settle(self.start, frozenset([name])), good, others)
+            is_guess = start is self.start
+            closed = self._closed_gaps(start, AT_LENGTH if is_guess else 0.0)
+            self._sort(self._settle(start, closed, settled if is_guess else set()), good, others)
+        waiting = self._close_groups(settled, good, others)
         if not good and self.names:
             for closed in self._sets():
                 for start in starts[:_FEW_STARTS]:
-                    self._sort(self._settle(start, closed), good, others)
+                    if start is not self.start:
+                        self._sort(self._settle(start, closed, set()), good, others)
+                    elif closed not in settled:
+                        self._sort(self._settle(start, closed, settled), good, others)
+        left_out = sorted(frozenset().union(*waiting))
+        if left_out:
+            note = f"there are many gaps: starts with {', '.join(left_out)} closed at the guess were left out"
+            good = [replace(one, notes=(*one.notes, note)) for one in good]
         return good, others
+
+    def _close_groups(
+        self, settled: set[frozenset[str]], good: list[Candidate], others: list[Candidate]
+    ) -> list[frozenset[str]]:
+        """Close groups of gaps from the guess, and gaps of those that lead nowhere; return what a cap leaves.
+
+        Limits on both sides have equal shares midway, and never close together.
+        """
+        waiting, count = self._groups(), 0
+        while waiting and count < _FEW_GROUPS:
+            group, before = waiting.pop(0), len(good)
+            if group in settled:
+                continue
+            count += 1
+            self._sort(self._settle(self.start, group, settled), good, others)
+            if len(good) == before and len(group) > 1:
+                waiting += [frozenset([name]) for name in self.names if name in group]
+        return [group for group in waiting if group not in settled]
+
+    def _groups(self) -> list[frozenset[str]]:
+        """Return the gaps whose shares are equal at the guess, the smallest share first."""
+        if not self.names:
+            return []
+        groups: dict[float, list[str]] = {}
+        for name, share in gap_shares(self.evaluator, self.start).items():
+            groups.setdefault(round(share, _EQUAL), []).append(name)
+        return [frozenset(groups[share]) for share in sorted(groups)]
 
     def _sort(self, ends: list[Candidate], good: list[Candidate], others: list[Candidate]) -> None:
         for one in ends:
@@ -123,9 +155,11 @@ class ClosedGapSearch:
             return frozenset()
         return frozenset(name for name, shares in gap_shares(self.evaluator, q).items() if shares <= share)
 
-    def _settle(self, start: Floats, closed: frozenset[str]) -> list[Candidate]:
-        """Return the ends of a start, with gaps closing and opening as they must."""
-        seen: set[frozenset[str]] = set()
+    def _settle(self, start: Floats, closed: frozenset[str], seen: set[frozenset[str]]) -> list[Candidate]:
+        """Return the ends of a start, with gaps closing and opening as they must.
+
+        The sets that were closed are added to those seen; what was seen before is not looked at again.
+        """
         while True:
             seen.add(closed)
             search = self.search_with(closed)
