@@ -304,3 +304,12 @@ def test_symmetric_limits_do_not_close_together() -> None:
     rest = sb.find_equilibrium(sb.form_equations(sb.Model("m", [arm, pin], gravity=(0, 0, -10))), {"a": 0})
     found = {round(one.q["a"], 9): one.verdict for one in (rest, *rest.branches)}
     assert found == {0.0: "unstable", 0.5: "stable", -0.5: "stable"}
+
+
+def test_an_edge_whose_corners_coincide_is_no_edge_between_two_modes() -> None:
+    """On a lower edge of the box two corners share the weight, and it falls over to either side."""
+    rest = sb.find_equilibrium(flat_box(), {"z": 0.223, "turn": 1.1})
+    assert rest.q["z"] == pytest.approx(np.hypot(0.2, 0.1)) and rest.verdict == "unstable"
+    efforts = [float(rest[f"opening_effort floor {k}"]) for k in range(1, 9)]
+    assert sorted(efforts) == pytest.approx([*[0] * 6, 9.81 / 2, 9.81 / 2])
+    assert not any("without effort" in note for note in rest.notes)
