@@ -7,6 +7,8 @@ import pytest
 
 import symbody as sb
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.kernels.modes.mode_switch import SHOCK
+from symbody.simulation.hybrid.mode_record import ModalElements, shock_notes
 from symbody.simulation.status import Status
 
 G = 9.81
@@ -313,3 +315,53 @@ def test_an_edge_whose_corners_coincide_is_no_edge_between_two_modes() -> None:
     efforts = [float(rest[f"opening_effort floor {k}"]) for k in range(1, 9)]
     assert sorted(efforts) == pytest.approx([*[0] * 6, 9.81 / 2, 9.81 / 2])
     assert not any("without effort" in note for note in rest.notes)
+
+
+def test_contacts_are_called_contacts_and_their_points_points() -> None:
+    eqs = flat_box()
+    assert any(note.startswith("contact floor: the equations are for") for note in eqs.notes)
+    rest = sb.find_equilibrium(eqs, {"z": 0.3, "turn": 0.0})
+    assert sum("contact floor, point " in note and "2.4525 N" in note for note in rest.notes) == 4
+    with pytest.raises(sb.UsageError, match="whether a contact is open") as refusal:
+        sb.inverse_dynamics(eqs, {"z": "0.1", "x": 0, "turn": 0}, [], [0.0])
+    assert str(refusal.value).count("contact floor, point 1") == 1
+    with pytest.raises(sb.FormulationError, match="no rope, stop or rigid contact"):
+        sb.compile(eqs, "gap_ddot flor")
+    assembled = sb.assemble(eqs, {"z": 0.1, "turn": 0.0})
+    linear = sb.linearize(eqs, at=assembled.q)
+    assert not any("stop" in note for note in linear.notes)
+
+
+def test_impacts_of_contacts_and_shocks_of_ropes_are_told_apart() -> None:
+    """A ball on a rope that bounces on the floor."""
+    ball = sb.Body("Ball", mass=1)
+    rail = sb.Prismatic("rail", "ground", ball, axis="z", coordinate="z")
+    floor = sb.Contact("floor", "ground", ball, ["plane", "point"], normal="rigid", restitution=0.9)
+    rope = sb.Distance("rope", "ground.top", ball, 1.2, rope=True)
+    model = sb.Model("ball", [rail, floor, rope], gravity=(0, 0, -G), ground={"top": sb.Frame(at=(0, 0, 1))})
+    run = sb.simulate(sb.form_equations(model), 1.0, {"z": 0.5})
+    (told,) = [note for note in run.notes if "impact" in note]
+    assert told.startswith("contact floor: ") and "impacts, the last at" in told
+    both = ModalElements((), ("r", "floor"), ("rope", "stop"), ("rope r", "contact floor"))
+    shocks, strikes = shock_notes(np.array([[SHOCK, 0.5, 1.0, 2.0, 3.0]]), both)
+    assert shocks == "at t = 0.5 s ropes go taut with an impact: r by 2 N s; 1 J are lost"
+    assert strikes.startswith("contact floor: an impact, the last at t = 0.5 s")
+
+
+def test_efforts_that_vanish_are_0() -> None:
+    """A point on the floor whose weight of 29.43 N a force bears, up to rounding."""
+    ball = sb.Body("Ball", mass=3)
+    rail = sb.Prismatic(
+        "rail",
+        "ground",
+        ball,
+        axis="z",
+        coordinate="z",
+        force=sb.Drive(applied="29.43 + 1e-14"),
+    )
+    floor = sb.Contact("floor", "ground", ball, ["plane", "point"], normal="rigid")
+    eqs = sb.form_equations(sb.Model("m", [rail, floor], gravity=(0, 0, -9.81)))
+    assert 0.0 < abs(float(sb.assemble(eqs, {"z": 0})["opening_effort floor"])) < 1e-13
+    notes = sb.linearize(eqs, at={"z": 0}).notes
+    assert any("contact floor is closed with 0 N" in note for note in notes)
+    assert any("contact floor switches at this state" in note for note in notes)
