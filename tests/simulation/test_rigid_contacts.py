@@ -7,6 +7,8 @@ import pytest
 
 import symbody as sb
 from symbody.kernels.modes.mode_problem import LOOSE
+from symbody.kernels.modes.mode_switch import SHOCK
+from symbody.simulation.hybrid.mode_record import ModalElements, shock_notes
 from symbody.simulation.status import Status
 
 G = 9.81
@@ -277,3 +279,89 @@ def test_a_box_that_comes_to_rest_by_bounces_stays_there() -> None:
 def test_an_output_of_a_contact_that_is_not_there_is_no_zero(output: str) -> None:
     with pytest.raises(sb.FormulationError, match="flor"):
         sb.compile(ball_on_plane(0.2), output)
+
+
+def flat_box() -> sb.EquationSet:
+    """A box of 1 kg that moves in a vertical plane, above the floor."""
+    box = sb.Body("Box", mass=1, inertia=(0.1, 0.1, 0.1))
+    floor = sb.Contact("floor", "ground", box, ["plane", {"box": (0.4, 0.2, 0.2)}], normal="rigid")
+    joint = sb.Planar("move", "ground", box, axis="y", coordinates=["z", "x", "turn"])
+    return sb.form_equations(sb.Model("box", [joint, floor], gravity=(0, 0, -9.81)))
+
+
+def test_a_box_lies_flat_on_the_corners_of_a_face() -> None:
+    """Four corners, two and two in one place: each bears a quarter; on one edge alone the box would fall."""
+    rest = sb.find_equilibrium(flat_box(), {"z": 0.3, "turn": 0.0})
+    assert rest.q == pytest.approx({"z": 0.1, "x": 0.0, "turn": 0.0}, abs=1e-12)
+    efforts = [float(rest[f"opening_effort floor {k}"]) for k in range(1, 9)]
+    assert sorted(efforts) == pytest.approx([0, 0, 0, 0, *[9.81 / 4] * 4])
+    assert sum("closed with 2.4525" in note for note in rest.notes) == 4
+
+
+def test_symmetric_limits_do_not_close_together() -> None:
+    """An inverted pendulum midway between its limits leans on either."""
+    arm = sb.Body("Arm", mass=1, inertia=(1, 1, 1), frames={"pin": sb.Frame(at=(0, 0, -1))})
+    pin = sb.Revolute("pin", "ground", "Arm.pin", axis="y", coordinate="a",
+                      limits={"low": -0.5, "high": 0.5, "rigid": True})  # fmt: skip
+    rest = sb.find_equilibrium(sb.form_equations(sb.Model("m", [arm, pin], gravity=(0, 0, -10))), {"a": 0})
+    found = {round(one.q["a"], 9): one.verdict for one in (rest, *rest.branches)}
+    assert found == {0.0: "unstable", 0.5: "stable", -0.5: "stable"}
+
+
+def test_an_edge_whose_corners_coincide_is_no_edge_between_two_modes() -> None:
+    """On a lower edge of the box two corners share the weight, and it falls over to either side."""
+    rest = sb.find_equilibrium(flat_box(), {"z": 0.223, "turn": 1.1})
+    assert rest.q["z"] == pytest.approx(np.hypot(0.2, 0.1)) and rest.verdict == "unstable"
+    efforts = [float(rest[f"opening_effort floor {k}"]) for k in range(1, 9)]
+    assert sorted(efforts) == pytest.approx([*[0] * 6, 9.81 / 2, 9.81 / 2])
+    assert not any("without effort" in note for note in rest.notes)
+
+
+def test_contacts_are_called_contacts_and_their_points_points() -> None:
+    eqs = flat_box()
+    assert any(note.startswith("contact floor: the equations are for") for note in eqs.notes)
+    rest = sb.find_equilibrium(eqs, {"z": 0.3, "turn": 0.0})
+    assert sum("contact floor, point " in note and "2.4525 N" in note for note in rest.notes) == 4
+    with pytest.raises(sb.UsageError, match="whether a contact is open") as refusal:
+        sb.inverse_dynamics(eqs, {"z": "0.1", "x": 0, "turn": 0}, [], [0.0])
+    assert str(refusal.value).count("contact floor, point 1") == 1
+    with pytest.raises(sb.FormulationError, match="no rope, stop or rigid contact"):
+        sb.compile(eqs, "gap_ddot flor")
+    assembled = sb.assemble(eqs, {"z": 0.1, "turn": 0.0})
+    linear = sb.linearize(eqs, at=assembled.q)
+    assert not any("stop" in note for note in linear.notes)
+
+
+def test_impacts_of_contacts_and_shocks_of_ropes_are_told_apart() -> None:
+    """A ball on a rope that bounces on the floor."""
+    ball = sb.Body("Ball", mass=1)
+    rail = sb.Prismatic("rail", "ground", ball, axis="z", coordinate="z")
+    floor = sb.Contact("floor", "ground", ball, ["plane", "point"], normal="rigid", restitution=0.9)
+    rope = sb.Distance("rope", "ground.top", ball, 1.2, rope=True)
+    model = sb.Model("ball", [rail, floor, rope], gravity=(0, 0, -G), ground={"top": sb.Frame(at=(0, 0, 1))})
+    run = sb.simulate(sb.form_equations(model), 1.0, {"z": 0.5})
+    (told,) = [note for note in run.notes if "impact" in note]
+    assert told.startswith("contact floor: ") and "impacts, the last at" in told
+    both = ModalElements((), ("r", "floor"), ("rope", "stop"), ("rope r", "contact floor"))
+    shocks, strikes = shock_notes(np.array([[SHOCK, 0.5, 1.0, 2.0, 3.0]]), both)
+    assert shocks == "at t = 0.5 s ropes go taut with an impact: r by 2 N s; 1 J are lost"
+    assert strikes.startswith("contact floor: an impact, the last at t = 0.5 s")
+
+
+def test_efforts_that_vanish_are_0() -> None:
+    """A point on the floor whose weight of 29.43 N a force bears, up to rounding."""
+    ball = sb.Body("Ball", mass=3)
+    rail = sb.Prismatic(
+        "rail",
+        "ground",
+        ball,
+        axis="z",
+        coordinate="z",
+        force=sb.Drive(applied="29.43 + 1e-14"),
+    )
+    floor = sb.Contact("floor", "ground", ball, ["plane", "point"], normal="rigid")
+    eqs = sb.form_equations(sb.Model("m", [rail, floor], gravity=(0, 0, -9.81)))
+    assert 0.0 < abs(float(sb.assemble(eqs, {"z": 0})["opening_effort floor"])) < 1e-13
+    notes = sb.linearize(eqs, at={"z": 0}).notes
+    assert any("contact floor is closed with 0 N" in note for note in notes)
+    assert any("contact floor switches at this state" in note for note in notes)

@@ -369,7 +369,7 @@ def _gap_notes(model: Model) -> Iterator[str]:
         elif isinstance(part, Stop | Contact):
             holds = "the closed gap; simulate switches when the gap opens"
         if holds:
-            yield f"constraint {part.name}: the equations are for {holds}"
+            yield f"{part.kind} {part.name}: the equations are for {holds}"
 
 
 def _singularity_notes(graph: Graph, variables: Variables) -> tuple[str, ...]:

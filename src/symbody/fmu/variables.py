@@ -11,7 +11,7 @@ import numpy as np
 
 from symbody.analysis.configurations.closed_gaps import with_closed_gaps
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.unilateral import unilateral_row
+from symbody.equations.solving.unilateral import element_words
 from symbody.expr import opcodes as op
 from symbody.expr.sequences.dependencies import Symbols, dependencies
 from symbody.fmu.program import FmuProgram
@@ -185,14 +185,13 @@ def _indicators(program: FmuProgram) -> Iterator[FmuVariable]:
             words = f"passes zero where a condition in {', '.join(condition.reads)} changes"
             name = f"condition[{k}]"
             yield FmuVariable(name, "local", "continuous", description=words, dependencies=read)
-    ends = [(f"joint {name} sticks or slips", name) for name in program.modal.joints]
-    for name in program.modal.gaps:
-        is_rope = unilateral_row(program.modal.eqs.formed, name).sense < 0
-        ends.append((f"rope {name} goes slack or taut" if is_rope else f"stop {name} closes or opens", name))
-    for words, name in ends:
-        yield FmuVariable(
-            f"mode_end.{variable_name(name)}", "local", "continuous", description=f"passes zero where {words}"
-        )
+    for name in program.modal.names:
+        kind, shown = element_words(program.modal.eqs.formed, name)
+        happens = "goes slack or taut" if kind == "rope" else "closes or opens"
+        if name in program.modal.joints:
+            happens = "sticks or slips"
+        words = f"passes zero where {kind} {shown} {happens}"
+        yield FmuVariable(f"mode_end.{variable_name(name)}", "local", "continuous", description=words)
 
 
 def _dependencies(program: FmuProgram, function: ProgramFunction) -> list[tuple[tuple[int, str], ...]]:

@@ -20,7 +20,7 @@ from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.unilateral import open_gaps, unilateral_elements
+from symbody.equations.solving.unilateral import gap_place, open_gaps, unilateral_elements
 from symbody.errors import AssemblyError, Problem
 from symbody.tolerances import AT_REST, TINY
 
@@ -38,7 +38,7 @@ def assemble_with_gaps(
     fixed: Mapping[str, float],
     guess: Mapping[str, float],
     attempt: Attempt,
-    closed: Callable[[EquationSet], ConstraintEvaluator],
+    evaluate: Callable[[EquationSet], ConstraintEvaluator],
 ) -> State:
     """Return a state in which no gap is negative, and no closed one becomes so.
 
@@ -48,7 +48,7 @@ def assemble_with_gaps(
     ----------
     attempt : callable
         Assembles equations from the guess, with some coordinates fixed.
-    closed : callable
+    evaluate : callable
         Returns the constraints of equations as numbers.
 
     Raises
@@ -56,10 +56,10 @@ def assemble_with_gaps(
     AssemblyError
         If the mechanism does not close, or a gap is negative at the positions fixed.
     """
-    positions, rates = closed(eqs).split_values(fixed)
-    loose = closed(with_closed_gaps(eqs, ()))
+    positions, rates = evaluate(eqs).split_values(fixed)
+    loose = evaluate(with_closed_gaps(eqs, ()))
     state = _place(loose, eqs, positions, attempt)
-    search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, closed)
+    search = _Speeds(eqs, np.array([*state.q.values()]), rates, guess, evaluate)
     complete = search.solve(state)
     places = {name: change for name, change in state.moved.items() if name in complete.q}
     return replace(complete, moved=places | dict(complete.moved))
@@ -162,15 +162,16 @@ def _place(
 
 
 def _too_short(state: State, name: str, error: AssemblyError) -> Problem:
+    place = gap_place(state.eqs.formed, name)
     length, slack = float(state[f"gap_scale {name}"]), float(state[f"row_gap {name}"])
     if not length:
         return Problem(
-            "assembly.closed_stop", f"constraint {name}", f"its gap is {slack:.6g}, but cannot be negative",
+            "assembly.closed_stop", place, f"its gap is {slack:.6g}, but cannot be negative",
             f"no free motion opens it: {error.problems[0].what}",
             "give other initial positions, or another gap",
         )  # fmt: skip
     return Problem(
-        "assembly.rope_too_short", f"constraint {name}",
+        "assembly.rope_too_short", place,
         f"its ends are {length - slack:.9g} m apart, but the rope is {length:.9g} m long",
         f"no free motion brings them closer: {error.problems[0].what}",
         "give other initial positions, or a longer rope",

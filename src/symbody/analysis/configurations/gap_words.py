@@ -1,16 +1,16 @@
-"""`gap_words`: what sentences say of a rope or a stop, taut or closed, slack or open."""
+"""`gap_words`: what sentences say of a rope, a stop or a contact, taut or closed, slack or open."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.unilateral import unilateral_row
+from symbody.equations.solving.unilateral import element_words
 
 
 @dataclass(frozen=True, slots=True)
 class GapWords:
-    """What sentences say of a unilateral element: a rope or a stop.
+    """What sentences say of a unilateral element: a rope, a stop or a contact in a point.
 
     Attributes
     ----------
@@ -68,17 +68,20 @@ class GapWords:
 
 
 def gap_words(eqs: EquationSet, name: str) -> GapWords:
-    """Return the words for a rope or a stop of some equations."""
-    if unilateral_row(eqs.formed, name).sense < 0:
+    """Return the words for a rope, a stop or a contact of some equations."""
+    kind, shown = element_words(eqs.formed, name)
+    subject = f"{kind} {shown}"
+    if kind == "rope":
         return GapWords(
-            f"rope {name}", "taut", "slack", "at its full length",
+            subject, "taut", "slack", "at its full length",
             "at its length without tension: it pulls for small deviations to one side only",
-            "the rope would have to be longer", f"the ends of rope {name} are farther apart than its length",
+            "the rope would have to be longer", f"the ends of {subject} are farther apart than its length",
             "push", "tension", "N", "of its length",
         )  # fmt: skip
+    unit = "N" if kind == "contact" else eqs.units.get(f"opening_effort {name}", "")
     return GapWords(
-        f"stop {name}", "closed", "open", "closed",
+        subject, "closed", "open", "at gap 0",
         "closed without effort: it acts on small deviations to one side only",
-        "its gap would have to be negative", f"the gap of stop {name} is negative",
-        "pull", "effort", eqs.units.get(f"opening_effort {name}", ""), "",
+        "its gap would have to be negative", f"the gap of {subject} is negative",
+        "pull", "effort", unit, "",
     )  # fmt: skip

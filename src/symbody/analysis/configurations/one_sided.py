@@ -24,7 +24,7 @@ from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.equations.solving.sticking import STICKS, set_modes, switching_joints
-from symbody.equations.solving.unilateral import unilateral_elements
+from symbody.equations.solving.unilateral import element_words, unilateral_elements
 from symbody.errors import AssemblyError, SimulationError
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
 from symbody.tolerances import AT_REST, BALANCED
@@ -84,7 +84,7 @@ class _ModeSearch:
     q: Floats
     u: Floats
     length: float
-    gaps: Mapping[str, float]  # the sizes of those of ropes and stops
+    gaps: Mapping[str, float]  # sizes of the gaps, by element
     openings: Mapping[str, Opening]
 
     def decide(self) -> Modes | None:
@@ -132,9 +132,10 @@ class _ModeSearch:
             return None
         notes, edges = [], []
         for name, mode in modes.items():
-            surplus, note = self._surplus(values[name], name, mode)
             limit = BALANCED * (scales[0] / self.unit(name) if mode in (STICKS, _CLOSED) else
                              scales[1] * self.unit(name))  # fmt: skip
+            value = values[name] if abs(values[name]) > limit else 0.0
+            surplus, note = self._surplus(value, name, mode)
             notes.append(note)
             if self.is_open(name) and abs(surplus) <= limit:
                 edges.append(name)
@@ -212,16 +213,15 @@ class _ModeSearch:
         return any(law.element == name and law.touch is not None for law in self.eqs.formed.friction)
 
     def _subject(self, name: str) -> str:
-        return f"contact {name}" if self.is_contact(name) else f"joint {name}"
+        return " ".join(element_words(self.eqs.formed, name))
 
     def coordinate(self, joint: str) -> str:
         """Return the coordinate along which a joint slips."""
         return next(law.coordinate for law in self.eqs.formed.friction if law.name == joint)
 
     def _element(self, name: str) -> str:
-        if name in self.gaps:
-            return gap_words(self.eqs, name).subject
-        return f"contact {name}" if self.is_contact(name) else f"the friction of joint {name}"
+        subject = self._subject(name)
+        return subject if name in self.gaps else f"the friction of {subject}"
 
     @staticmethod
     def _scales(evaluator: ConstraintEvaluator, state: State) -> tuple[float, float]:
@@ -260,7 +260,10 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
 
 
 def _contact_opening(search: _ModeSearch, evaluator: ConstraintEvaluator, name: str, small: float) -> Opening:
-    """Return what is known of the friction of a contact: there is none while its gap is open."""
+    """Return what is known of the friction of a contact: none while its gap is open.
+
+    While it slips, it goes on.
+    """
     laws = [law for law in search.eqs.formed.friction if law.element == name]
     rows = (*search.eqs.formed.rows, *search.eqs.formed.slack)
     gap = next(row.gap for row in rows for law in laws if law.touch is not None and law.touch.row == row.name)

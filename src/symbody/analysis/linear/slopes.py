@@ -25,6 +25,7 @@ from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.input_formulas import input_law_nodes
+from symbody.equations.solving.unilateral import element_words
 from symbody.errors import AssemblyError, ExpressionError, Problem
 from symbody.expr.canonical import sub
 from symbody.expr.graph import TIME, Graph, Symbol, SymbolKind
@@ -279,7 +280,8 @@ def switches(eqs: EquationSet, nodes: Sequence[int]) -> tuple[Switch, ...]:
 def _switches(eqs: EquationSet, nodes: Sequence[int]) -> Iterator[Switch]:
     for law in eqs.formed.friction:
         if law.switches:
-            yield f"the friction of joint {law.name}", law.rate.index
+            kind, name = element_words(eqs.formed, law.element)
+            yield f"the friction of {kind} {name}", law.rate.index
     graph = eqs.formed.graph
     for node in _valued_nodes(graph, nodes):
         op, a, b = graph.ops[node], graph.left[node], graph.right[node]

@@ -220,10 +220,13 @@ def _terms(formed: EquationsOfMotion, row: ConstraintEquation) -> list[tuple[Exp
 
 
 def _find_row(formed: EquationsOfMotion, words: Sequence[str]) -> ConstraintEquation:
-    """Return the row of the rope or stop that a name means; a FormulationError with the nearest if none."""
+    """Return the row of the gap that a name means; a FormulationError with the nearest if there is none."""
     names, text = unilateral_elements(formed), " ".join(words)
     if text in names:
         return unilateral_row(formed, text)
-    what = f"there is no rope or stop {text!r}"
-    why = "ropes are constraints of type distance with rope = true, stops are of type stop"
+    what = f"there is no rope, stop or rigid contact {text!r}"
+    why = (
+        "ropes are constraints of type distance with rope = true, stops are of type stop; rigid contacts "
+        'have normal = "rigid"'
+    )
     raise FormulationError(Problem("equations.unknown_rope", f"rope {text}", what, why, nearest(text, names)))

@@ -10,6 +10,7 @@ from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.expr.expression import Expr, number, symbol
 from symbody.expr.graph import Symbol, SymbolKind
 from symbody.model.constraints import Distance
+from symbody.model.contacts.contact import Contact
 
 
 def unilateral_elements(formed: EquationsOfMotion) -> tuple[str, ...]:
@@ -34,6 +35,32 @@ def row_number(multiplier: str) -> int:
 def unilateral_row(formed: EquationsOfMotion, name: str) -> ConstraintEquation:
     """Return the row that holds while a gap is closed, whether it is or not."""
     return next(row for row in (*formed.slack, *formed.rows) if row.gap == name)
+
+
+def element_words(formed: EquationsOfMotion, name: str) -> tuple[str, str]:
+    """Return what a gap, or something that sticks and slips, is in sentences: its kind and its name.
+
+    Kinds are "rope", "stop", "contact" and "joint". A contact in several points has gaps and friction in
+    each: they are named by the contact and the number of the point.
+    """
+    rows = [row for row in (*formed.slack, *formed.rows) if row.sense]
+    row = next((row for row in rows if row.gap == name), None)
+    if row is None:
+        touch = next((law.touch for law in formed.friction if law.element == name), None)
+        if touch is None:
+            return "joint", name
+        row = next(row for row in rows if row.name == touch.row)
+    if row.sense < 0:
+        return "rope", row.element
+    point = "" if row.gap == row.element else f", point {row_number(row.name)}"
+    is_contact = isinstance(formed.topology.contacts.get(row.element), Contact)
+    return "contact" if is_contact else "stop", f"{row.element}{point}"
+
+
+def gap_place(formed: EquationsOfMotion, name: str) -> str:
+    """Return where a problem with a gap is: ropes and stops are constraints of a model."""
+    kind, shown = element_words(formed, name)
+    return f"{kind if kind == 'contact' else 'constraint'} {shown}"
 
 
 def gap_of(row: ConstraintEquation) -> Expr:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.equations.solving.modal_equations import ModalEquations
+from symbody.equations.solving.unilateral import element_words
 from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_state import mode_input
 from symbody.kernels.modes.mode_switch import SHOCK, ModeSwitch
-from symbody.model.constraints import Distance
 from symbody.simulation.events.events import ModeChange, Occurrence
 from symbody.simulation.inputs.held_law import HeldRecord
 
@@ -40,14 +40,17 @@ class ModalElements(NamedTuple):
     Attributes
     ----------
     joints, gaps : tuple of str
-        Joints that stick and slip; then ropes and stops.
+        Joints and contacts that stick and slip; then ropes, stops and contacts whose gaps close.
     kinds : tuple of str
-        What each is, one of `MODE_WORDS`.
+        What each is, one of `MODE_WORDS`: the contact of a gap is a stop.
+    subjects : tuple of str
+        What each is called in sentences.
     """
 
     joints: tuple[str, ...] = ()
     gaps: tuple[str, ...] = ()
     kinds: tuple[str, ...] = ()
+    subjects: tuple[str, ...] = ()
 
     @property
     def words(self) -> list[Mapping[int, str]]:
@@ -62,10 +65,10 @@ class ModalElements(NamedTuple):
 
 def modal_elements(modal: ModalEquations) -> ModalElements:
     """Return the elements of equations with modes."""
-    ropes = {part.name for part in modal.eqs.model.constraints if isinstance(part, Distance)}
-    gaps = ["rope" if name in ropes else "stop" for name in modal.gaps]
+    words = [element_words(modal.eqs.formed, name) for name in modal.names]
+    gaps = ["rope" if kind == "rope" else "stop" for kind, _ in words[len(modal.joints) :]]
     slips = ["contact" if len(modal.laws_of(name)) > 1 else "joint" for name in modal.joints]
-    return ModalElements(modal.joints, modal.gaps, (*slips, *gaps))
+    return ModalElements(modal.joints, modal.gaps, (*slips, *gaps), tuple(map(" ".join, words)))
 
 
 class ModeRecord:
@@ -228,14 +231,16 @@ def mode_changes(
 
 
 def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
-    """Yield the shocks of ropes in a record in words, and how often each stop was struck."""
-    shocks, joints = rows[rows[:, 0] == SHOCK], len(elements.joints)
+    """Yield the shocks of ropes in a record in words, and how often each stop and contact was struck."""
+    shocks = rows[rows[:, 0] == SHOCK]
     impulses = shocks[:, 3 : 3 + len(elements.names)]
     are_ropes = np.array([kind == "rope" for kind in elements.kinds], dtype=np.bool_)
     with_ropes = shocks[(impulses[:, are_ropes] > 0.0).any(axis=1)] if are_ropes.any() else shocks[:0]
     for row in with_ropes[:_MOST_NOTES]:
-        pairs = zip(elements.names[joints:], row[3 + joints :].tolist(), strict=False)
-        pulls = " and ".join(f"{name} by {impulse:.6g} N s" for name, impulse in pairs if impulse)
+        pairs = zip(elements.names, elements.kinds, row[3:].tolist(), strict=False)
+        pulls = " and ".join(
+            f"{name} by {impulse:.6g} N s" for name, kind, impulse in pairs if impulse and kind == "rope"
+        )
         yield f"at t = {row[1]:.9g} s ropes go taut with an impact: {pulls}; {row[2]:.6g} J are lost"
     others = with_ropes[_MOST_NOTES:]
     if len(others):
@@ -243,11 +248,11 @@ def shock_notes(rows: Floats, elements: ModalElements) -> Iterator[str]:
             f"{len(others)} more impacts of ropes until t = {others[-1, 1]:.9g} s; "
             f"{others[:, 2].sum():.6g} J are lost"
         )
-    for place, (name, kind) in enumerate(zip(elements.names, elements.kinds, strict=True)):
+    for place, (subject, kind) in enumerate(zip(elements.subjects, elements.kinds, strict=True)):
         struck = shocks[impulses[:, place] > 0.0] if kind == "stop" else shocks[:0]
         if len(struck):
             times = f"{len(struck)} impacts" if len(struck) > 1 else "an impact"
             yield (
-                f"stop {name}: {times}, the last at t = {struck[-1, 1]:.9g} s; "
+                f"{subject}: {times}, the last at t = {struck[-1, 1]:.9g} s; "
                 f"{struck[:, 2].sum():.6g} J are lost, by Poisson's law for all impacts of one instant"
             )

@@ -64,8 +64,8 @@ _UNDETERMINED: Final = MappingProxyType(
 )
 _STUCK: Final = "no speeds were found that keep ropes taut and gaps closed"
 _SMOOTH: Final = (
-    "give friction a v0, replace ropes by springs that only pull, and give limits and backlash a stiffness "
-    "instead of rigid: their laws are smooth then"
+    "give friction a v0, replace ropes by springs that only pull, and give limits, backlash and "
+    "contacts a stiffness instead of rigid: their laws are smooth then"
 )
 
 

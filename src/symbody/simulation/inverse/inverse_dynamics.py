@@ -22,7 +22,7 @@ from symbody.analysis.scales import checked_scales
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
-from symbody.equations.solving.unilateral import unilateral_elements, unilateral_row
+from symbody.equations.solving.unilateral import element_words, gap_place, unilateral_elements
 from symbody.errors import Problem, UsageError, nearest
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.inputs.tables import Table
@@ -250,14 +250,15 @@ def _check_questions(
 
 
 def _one_sided(eqs: EquationSet, name: str) -> Problem:
-    """Return the problem of a rope or stop."""
-    if unilateral_row(eqs.formed, name).sense < 0:
+    """Return the problem of a rope, a stop or a contact."""
+    kind, _ = element_words(eqs.formed, name)
+    if kind == "rope":
         what = "a prescribed motion does not determine whether a rope is slack or taut"
         fix = "use a Distance without rope=True where it is taut, or leave it out where it is slack"
     else:
-        what = "a prescribed motion does not determine whether a stop is open or closed"
-        fix = "give limits and backlash a stiffness instead of rigid, or leave the stop out"
-    return Problem("inverse.rope", f"constraint {name}", what, "", fix)
+        what = f"a prescribed motion does not determine whether a {kind} is open or closed"
+        fix = f"give limits, backlash and contacts a stiffness instead of rigid, or leave the {kind} out"
+    return Problem("inverse.rope", gap_place(eqs.formed, name), what, "", fix)
 
 
 def _no_input(eqs: EquationSet, name: str) -> Problem:
