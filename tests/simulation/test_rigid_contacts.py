@@ -126,7 +126,7 @@ def test_impacts_in_several_points_never_raise_the_energy(seed: int) -> None:
         "tilt_dot": float(3 * rng.normal()),
     }
     run = sb.simulate(eqs, 1.5, start, max_steps=20_000)
-    assert run.status in (Status.SUCCESS, Status.FRICTION, Status.CHATTERING)
+    assert run.success
     energy = run["energy"]
     assert np.diff(energy).max() <= 1e-7 * np.abs(energy).max()
     assert run["gap floor"].min() > -1e-7
