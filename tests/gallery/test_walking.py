@@ -59,7 +59,12 @@ def varied_step(behind: Floats, slope: float) -> tuple[Floats, Floats, float]:
     run: Any = solve_ivp(rates, (0, 6), first, method="DOP853", rtol=1e-13, atol=1e-15, events=lands)
     end = run.y_events[0][0]
     along_motion, at_landing = rates(0.0, end)[:4], np.array([-2.0, 1, 0, 0])
-    moved = end[4:].reshape(4, 4) @ [[1, 0], [2, 0], [0, 1], [2 * np.sin(2 * angle) * rate, 1 - np.cos(2 * angle)]]
+    moved = end[4:].reshape(4, 4) @ [
+        [1, 0],
+        [2, 0],
+        [0, 1],
+        [2 * np.sin(2 * angle) * rate, 1 - np.cos(2 * angle)],
+    ]
     moved -= np.outer(along_motion, at_landing @ moved) / (at_landing @ along_motion)
     theta, w = end[0], end[2]
     changed = np.array([[-1, 0, 0, 0], [-2 * np.sin(2 * theta) * w, 0, np.cos(2 * theta), 0]])
