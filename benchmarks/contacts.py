@@ -11,40 +11,21 @@ without forming and compiling; of Drake with the building of its plant.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from time import process_time
-from typing import Final, NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Final
 
 import numpy as np
 
 from benchmarks.contact_problems import PROBLEMS, Floats
 from benchmarks.engines.contact_methods import COMPLIANT, LAWS
+from benchmarks.precision import PREPARING, Diagram, Point, fastest, points_of, timed
 from benchmarks.process import Process, Step, Task
 from benchmarks.table import Table, ratio_text, seconds_text
-from benchmarks.timing import Settings, processor_seconds
+from benchmarks.timing import Settings
 
 BOUNDS: Final = (1e-1, 1e-2, 1e-3, 1e-5)  # m
 _REFERENCE: Final = "reference"
-_PREPARING: Final = 300.0  # s that compiling and the references may take
-_SHORT: Final = 0.5  # s, below which a run is repeated
 _USELESS: Final = 1.0  # m: an error that is no result
-
-
-class Point(NamedTuple):
-    """What one setting of a method of a law costs [s of processor time] and how far places are off [m]."""
-
-    law: str
-    method: str
-    setting: float
-    error: float
-    seconds: float
-
-
-class Diagram(NamedTuple):
-    """The points of a problem, and what to say about what is missing among them."""
-
-    points: Sequence[Point]
-    notes: Sequence[str]
 
 
 def measure(name: str, settings: Settings) -> Diagram:
@@ -56,7 +37,7 @@ def measure(name: str, settings: Settings) -> Diagram:
             notes.append(f"{law}: not installed")
             continue
         with Process(attempt, name, law, settings.rounds) as process:
-            first = process.ask(_REFERENCE, _PREPARING)
+            first = process.ask(_REFERENCE, PREPARING)
             if len(first.steps) < 2:
                 notes.append(f"{law}: {first.stopped or 'no reference'}")
                 continue
@@ -65,7 +46,7 @@ def measure(name: str, settings: Settings) -> Diagram:
             for method, choices in about.methods.items():
                 for setting in choices:
                     answer = process.ask(f"{method}|{setting!r}", settings.limit)
-                    points += _points(law, method, setting, answer.steps, exact)
+                    points += points_of(law, method, f"{setting:g}", answer.steps, exact, _USELESS)
                     if answer.stopped or not answer.steps:
                         why = answer.stopped or "the motion ends early"
                         notes.append(f"{law}, {method} {setting:g}: {why}")
@@ -74,14 +55,6 @@ def measure(name: str, settings: Settings) -> Diagram:
 
 def _values(step: Step) -> Floats:
     return np.empty(0) if step.values is None else step.values
-
-
-def _points(law: str, method: str, setting: float, steps: Iterable[Step], exact: Floats) -> Iterator[Point]:
-    """Yield what a round has measured, unless its places are far off."""
-    for step in steps:
-        error = float(np.abs(_values(step) - exact).max())
-        if error < _USELESS:
-            yield Point(law, method, setting, error, step.figure)
 
 
 def attempt(name: str, law: str, rounds: int) -> Task:
@@ -103,22 +76,12 @@ def attempt(name: str, law: str, rounds: int) -> Task:
             if method not in compiled:
                 compiled.add(method)
                 move(method, LAWS[law].methods[method][0])
-            start = process_time()
-            places = move(method, setting)
-            spent = [process_time() - start]
+            seconds, places = timed(lambda: move(method, setting), rounds)
         except RuntimeError:
             return
-        if spent[0] < _SHORT:
-            spent += [processor_seconds(lambda: move(method, setting)) for _ in range(rounds - 1)]
-        yield Step(word, sorted(spent)[len(spent) // 2], places)
+        yield Step(word, seconds, places)
 
     return task
-
-
-def fastest(points: Iterable[Point], law: str, bound: float) -> Point | None:
-    """Return the fastest point of a law with an error up to a bound."""
-    fit = [point for point in points if point.error <= bound and point.law == law]
-    return min(fit, key=lambda point: point.seconds, default=None)
 
 
 def table(name: str, diagram: Diagram) -> Table:
@@ -127,7 +90,7 @@ def table(name: str, diagram: Diagram) -> Table:
     for point in diagram.points:
         ours = fastest(diagram.points, COMPLIANT, point.error)
         time = seconds_text(point.seconds) + ratio_text(point.seconds, ours and ours.seconds)
-        rows.append((point.law, point.method, f"{point.setting:g}", f"{point.error:.1e}", time))
+        rows.append((point.family, point.method, point.setting, f"{point.error:.1e}", time))
     notes = (
         f"processor time of {PROBLEMS[name].end:g} s of motion; in brackets over symbody's fastest as exact",
         *diagram.notes,

@@ -7,41 +7,21 @@ Errors are those of the places at the end, beside a motion far more exact than a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from time import process_time
-from typing import Final, NamedTuple
-
-import numpy as np
+from typing import Final
 
 from benchmarks.engines.stiff_methods import END, METHODS, exact_places
+from benchmarks.precision import PREPARING, Diagram, Point, fastest, points_of, timed
 from benchmarks.process import Process, Step, Task
-from benchmarks.stiff_problems import PROBLEMS, Floats
+from benchmarks.stiff_problems import PROBLEMS
 from benchmarks.table import Table, ratio_text, seconds_text
-from benchmarks.timing import Settings, processor_seconds
+from benchmarks.timing import Settings
 
 LIMIT: Final = 30.0  # s that a run may take
 BOUNDS: Final = (1e-3, 1e-5, 1e-8)
-_PREPARING: Final = 300.0  # s that forming and compiling may take
-_SHORT: Final = 0.5  # s, below which a run is repeated
 _USELESS: Final = 0.1  # m or rad: an error that is no result
 _MUJOCO: Final = "MuJoCo"
-
-
-class Point(NamedTuple):
-    """What one setting of a method costs [s of processor time] and how far its end is off [m or rad]."""
-
-    method: str
-    setting: str
-    error: float
-    seconds: float
-
-
-class Diagram(NamedTuple):
-    """The points of a problem, and what to say about what is missing among them."""
-
-    points: Sequence[Point]
-    notes: Sequence[str]
 
 
 def measure(name: str, settings: Settings) -> Diagram:
@@ -54,24 +34,20 @@ def measure(name: str, settings: Settings) -> Diagram:
             notes.append(f"{method}: not installed")
             continue
         with Process(attempt, name, method, settings.rounds) as process:
-            stopped = process.ask("prepare", _PREPARING).stopped
+            stopped = process.ask("prepare", PREPARING).stopped
             for setting in about.settings:
                 if stopped:
                     break
                 steps, stopped = (answer := process.ask(str(setting), settings.limit)).steps, answer.stopped
-                points += _points(method, about.label(setting), steps, exact)
+                points += points_of(family(method), method, about.label(setting), steps, exact, _USELESS)
             if stopped:
                 notes.append(f"{method}, {about.label(setting)}: {stopped}")
     return Diagram(points, notes)
 
 
-def _points(method: str, setting: str, steps: Sequence[Step], exact: Floats) -> Iterator[Point]:
-    """Yield what a round has measured, unless it was cut or its end is far off."""
-    for step in steps:
-        values = np.full(exact.shape, np.nan) if step.values is None else step.values
-        error = float(np.abs(values - exact).max())
-        if error < _USELESS:
-            yield Point(method, setting, error, step.figure)
+def family(method: str) -> str:
+    """Return under which name a method is compared: all of MuJoCo's are one."""
+    return _MUJOCO if method.startswith(_MUJOCO) else method
 
 
 def attempt(name: str, method: str, rounds: int) -> Task:
@@ -87,14 +63,10 @@ def attempt(name: str, method: str, rounds: int) -> Task:
             run = METHODS[method].make(PROBLEMS[name])
             return
         try:
-            start = process_time()
-            end = run(float(word))
-            spent = [process_time() - start]
+            seconds, end = timed(lambda: run(float(word)), rounds)
         except RuntimeError:
             return
-        if spent[0] < _SHORT:
-            spent += [processor_seconds(lambda: run(float(word))) for _ in range(rounds - 1)]
-        yield Step(word, sorted(spent)[len(spent) // 2], end)
+        yield Step(word, seconds, end)
 
     return task
 
@@ -113,22 +85,13 @@ def table(name: str, diagram: Diagram) -> Table:
     return Table(f"stiff: {name}", ("integrator", "setting", "error [m, rad]", "time"), tuple(rows), notes)
 
 
-def fastest(points: Iterable[Point], family: str, bound: float) -> Point | None:
-    """Return the fastest point of a method, or of all of MuJoCo's, with an error below a bound."""
-    fit = [
-        point for point in points
-        if point.error <= bound and family in (point.method, point.method.partition(" ")[0])
-    ]  # fmt: skip
-    return min(fit, key=lambda point: point.seconds, default=None)
-
-
 def summary(results: Mapping[str, Diagram]) -> Table:
     """Return the table of the fastest runs below each bound, with their errors."""
-    families = (*(name for name in METHODS if not name.startswith(_MUJOCO)), _MUJOCO)
+    families = tuple(dict.fromkeys(map(family, METHODS)))
     rows = []
     for name, diagram in results.items():
         for bound in BOUNDS:
-            cells = (_cell(fastest(diagram.points, family, bound)) for family in families)
+            cells = (_cell(fastest(diagram.points, each, bound)) for each in families)
             rows.append((name, f"{bound:.0e}", *cells))
     notes = ("fastest setting with an error below the bound, and its error",)
     return Table("stiff: fastest", ("motion", "error below", *families), tuple(rows), notes)

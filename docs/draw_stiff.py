@@ -13,7 +13,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from rich.console import Console
 
-from benchmarks.stiff import LIMIT, Diagram, measure, summary, table
+from benchmarks.precision import Diagram
+from benchmarks.stiff import LIMIT, measure, summary, table
 from benchmarks.stiff_problems import PROBLEMS
 from benchmarks.table import show
 from benchmarks.timing import Settings

@@ -23,8 +23,9 @@ DOCS = Path(__file__).parent
 # Arguments that many elements share; the text beside the table tells about them.
 SHARED = {
     "name", "start", "end", "coordinate", "coordinates", "tree", "force", "torque", "motion", "as_constraint",
-    "armature", "friction", "limits",
+    "armature", "friction",
 }  # fmt: skip
+ENDS = "limits"  # of joints; those of a block are its own
 LONGEST = 72
 
 
@@ -123,7 +124,8 @@ def _section(kind: Any) -> str:
 
 def _arguments(kind: type[Declared]) -> str:
     """Return the arguments of an element that others do not have, with their defaults and short sentences."""
-    return "; ".join(_argument(name, field) for name, field in kind.fields.items() if name not in SHARED)
+    shared = SHARED | {ENDS} if issubclass(kind, Joint) else SHARED
+    return "; ".join(_argument(name, field) for name, field in kind.fields.items() if name not in shared)
 
 
 def _argument(name: str, field: Field[Any, Any]) -> str:

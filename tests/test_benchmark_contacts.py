@@ -8,15 +8,16 @@ import pytest
 import symbody as sb
 from benchmarks import contacts
 from benchmarks.contact_problems import PROBLEMS, height_and_way, model_of
-from benchmarks.contacts import Diagram, Point, attempt, fastest, summary
+from benchmarks.contacts import attempt, summary
 from benchmarks.engines.contact_methods import COMPLIANT, LAWS
+from benchmarks.precision import Diagram, Point, fastest
 from benchmarks.timing import Settings
 
 POINTS = (
-    Point(COMPLIANT, "order 8", 1e-6, 5e-4, 2e-3),
-    Point(COMPLIANT, "order 5", 1e-6, 8e-3, 1e-3),
-    Point("MuJoCo", "Euler", 1e-3, 9e-3, 2e-2),
-    Point("MuJoCo", "RK4", 1e-3, 9e-4, 8e-2),
+    Point(COMPLIANT, "order 8", "1e-06", 5e-4, 2e-3),
+    Point(COMPLIANT, "order 5", "1e-06", 8e-3, 1e-3),
+    Point("MuJoCo", "Euler", "0.001", 9e-3, 2e-2),
+    Point("MuJoCo", "RK4", "0.001", 9e-4, 8e-2),
 )
 
 

@@ -9,15 +9,16 @@ import symbody as sb
 from benchmarks import stiff
 from benchmarks.engines import stiff_methods
 from benchmarks.engines.stiff_methods import METHODS
-from benchmarks.stiff import Diagram, Point, attempt, fastest, summary
+from benchmarks.precision import Diagram, Point, fastest
+from benchmarks.stiff import attempt, summary
 from benchmarks.stiff_problems import PROBLEMS, Beam, model_of, places
 from benchmarks.timing import Settings
 
 POINTS = (
-    Point("GeneralizedAlpha", "rtol 1e-03", 2e-3, 1.0),
-    Point("GeneralizedAlpha(step=h)", "h 1 ms", 5e-4, 2.0),
-    Point("MuJoCo RK4", "h 1 ms", 1e-4, 4.0),
-    Point("MuJoCo implicitfast", "h 1 ms", 9e-4, 3.0),
+    Point("GeneralizedAlpha", "GeneralizedAlpha", "rtol 1e-03", 2e-3, 1.0),
+    Point("GeneralizedAlpha(step=h)", "GeneralizedAlpha(step=h)", "h 1 ms", 5e-4, 2.0),
+    Point("MuJoCo", "MuJoCo RK4", "h 1 ms", 1e-4, 4.0),
+    Point("MuJoCo", "MuJoCo implicitfast", "h 1 ms", 9e-4, 3.0),
 )
 
 

@@ -31,7 +31,7 @@ def motion(problem: Falling) -> Callable[[str, float], Floats]:
 
     def move(method: str, setting: float) -> Floats:
         step = setting if method == SAP else 0.0
-        diagram, plant, body = _build(problem, step)  # not timed: a plant keeps its step
+        diagram, plant, body = _build(problem, step)  # in the time of a run: a plant keeps its step
         simulator = Simulator(diagram)
         if method == CONTINUOUS:
             config = SimulatorConfig(

@@ -179,9 +179,8 @@ def test_fast_balls_are_met_by_a_bound_or_an_event(radius: float) -> None:
     at_touch = sb.Event("'gap C'", direction=-1, action={"x0_dot": "x0_dot"})
     located = sb.simulate(eqs, 0.06, events=[at_touch], rtol=1e-8)
     for run in (bounded, located):
-        assert run["x1_dot"][-1] + run["x0_dot"][-1] == pytest.approx(speed)
-        assert run["x1_dot"][-1] ** 2 + run["x0_dot"][-1] ** 2 == pytest.approx(speed**2, rel=1e-5)
-        assert run["x1_dot"][0] == 0 and len(run.t) > 10
+        assert run["x1_dot"][-1] == pytest.approx(speed, rel=1e-5)
+        assert run["x0_dot"][-1] == pytest.approx(0, abs=1e-4)
     floor = sb.form_equations(sb.Model("floor", [
         sb.Prismatic("rail", "ground", sb.Body("B", mass=1), axis="z", coordinate="z"),
         sb.Contact("F", "ground", "B", ["plane", sphere], normal=sb.NormalForce(stiffness=1e10)),

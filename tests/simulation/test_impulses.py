@@ -63,6 +63,31 @@ def test_a_cart_that_starts_with_a_jerk_strikes_its_pendulum(
     assert any("prescribed rates jump" in note for note in run.notes)
 
 
+BACKWARD: list[dict[str, object]] = [
+    {"integrator": sb.Explicit()}, {"integrator": sb.FixedStep(1e-3)}, {"integrator": sb.Stiff()},
+    {"integrator": sb.GeneralizedAlpha()}, {"constraints": sb.GGL()},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("way", BACKWARD, ids=[str(list(way.values())[0]) for way in BACKWARD])
+@pytest.mark.parametrize("as_constraint", [False, True])
+def test_a_backward_motion_passes_a_jump_at_its_very_start(
+    way: dict[str, object], as_constraint: bool
+) -> None:
+    """It is that from 0.1 us later on: its rate of 1 rad/s, and 4 rad/s2, change less than 1e-6 by that."""
+    eqs = cart_with_pendulum("if(t < 1, 0, 1.5*(t - 1))", as_constraint)
+    first = {"th": 0.4, "th_dot": 1.0}
+    at, later = (sb.simulate(eqs, (t, 0.5), first, **way) for t in (1.0, 1.0000001))  # type: ignore[arg-type]
+    exact = MASS * LENGTH * np.cos(0.4) * 1.5 / (INERTIA + MASS * LENGTH**2)
+    assert at["th_dot"][:2] == pytest.approx([1.0, 1.0 - exact], abs=1e-9)
+    np.testing.assert_allclose(at["x_dot"][:2], [1.5, 0.0], rtol=0, atol=1e-9)
+    for name in ("th", "th_dot"):
+        assert at[name][-1] == pytest.approx(later[name][-1], abs=1e-6)
+    for run in (at, later):
+        assert run.success
+        assert any("t = 1 s prescribed rates jump" in note for note in run.notes)
+
+
 @pytest.mark.parametrize("as_constraint", [False, True])
 def test_samples_at_a_jump_are_those_behind_it(as_constraint: bool) -> None:
     eqs = cart_with_pendulum("interp1(t, 0, 0, 1, 0, 2, 1.5)", as_constraint)

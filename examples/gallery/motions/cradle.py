@@ -1,7 +1,7 @@
 """Newton's cradle.
 
-Five balls of steel hang in a row, a hair apart. One is lifted and let go: the last of the row flies off as
-high, comes back, and the first goes up again. The contacts are rigid and elastic, and as there is a hair
+Five balls of steel hang in a row, 1 nm apart. One is lifted and let go: the last of the row flies off as
+high, comes back, and the first goes up again. The contacts are rigid and elastic, and as there is a gap
 between the balls each impact is that of two balls, which swap their speeds.
 
 Check: the first ball falls and the last one rises as the same pendulum would alone, half a swing each: their

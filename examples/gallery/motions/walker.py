@@ -5,10 +5,12 @@ a pendulum under an inverted pendulum; where the swinging foot comes down the le
 is an event. The foot swings through the floor once, in the middle of a step, which only a knee could avoid.
 
 Check: Newton's method on the state behind a step finds the gait, in which each step is as the one before. At
-a slope of 0.009 its angle is 0.200310900544. Its multipliers, by which small errors change from step to step,
-are 0.589 in magnitude, so that it is stable. M. Garcia, A. Chatterjee, A. Ruina, M. Coleman, The simplest
-walking model: stability, complexity, and scaling, J. Biomech. Eng. 120(2) (1998), from page 281; its
-digits by P. A. Bhounsule, Foot placement in the simplest slope walker (2014).
+a slope of 0.009 its angle is 0.2003109005, in programs by M. Garcia (1998) and P. A. Bhounsule (2013) too. Its
+multipliers, by which small errors change from step to step, are -0.1901 +- 0.5576i, 0.589 in magnitude, so that
+it is stable; a note in Garcia's program has -0.1912 +- 0.5563i. M. Garcia, A. Chatterjee, A. Ruina, M. Coleman,
+The simplest walking model: stability, complexity, and scaling, J. Biomech. Eng. 120(2) (1998) 281; P. A.
+Bhounsule, Numerical accuracy of two benchmark models of walking: the rimless spoked wheel and the simplest
+walker, Dynamics of Continuous, Discrete and Impulsive Systems B 21 (2014) 137.
 """
 
 import numpy as np
@@ -16,7 +18,7 @@ import numpy as np
 import symbody as sb
 
 SLOPE, FOOT = 0.009, 1e-11  # rad; mass of a foot over that of the hip
-ANGLE, RATE, PERIOD = 0.200310900544, -0.199832473005, 3.8824637529  # lengths of a leg and g are 1
+ANGLE, RATE = 0.2003109005, -0.1998324730  # lengths of a leg and g are 1
 STEPS = 8
 TOLERANCE = 1e-7  # rad
 LOOK = {"times": (0.0, 4.0, 8.0, 12.0, 16.0, 20.0), "view": "front"}
