@@ -353,23 +353,24 @@ def test_impacts_of_contacts_and_shocks_of_ropes_are_told_apart() -> None:
     assert strikes.startswith("contact floor: an impact, the last at t = 0.5 s")
 
 
-def test_efforts_that_vanish_are_0() -> None:
-    """A point on the floor whose weight of 29.43 N a force bears, up to rounding."""
-    ball = sb.Body("Ball", mass=3)
-    rail = sb.Prismatic(
-        "rail",
-        "ground",
-        ball,
-        axis="z",
-        coordinate="z",
-        force=sb.Drive(applied="29.43 + 1e-14"),
-    )
-    floor = sb.Contact("floor", "ground", ball, ["plane", "point"], normal="rigid")
-    eqs = sb.form_equations(sb.Model("m", [rail, floor], gravity=(0, 0, -9.81)))
-    assert 0.0 < abs(float(sb.assemble(eqs, {"z": 0})["opening_effort floor"])) < 1e-13
-    notes = sb.linearize(eqs, at={"z": 0}).notes
-    assert any("contact floor is closed with 0 N" in note for note in notes)
-    assert any("contact floor switches at this state" in note for note in notes)
+def test_efforts_that_vanish_beside_others_are_0() -> None:
+    """Two points on the floor: of one a force bears the weight of 29.43 N, up to rounding."""
+    parts: list[Any] = []
+    for name, force in (("borne", sb.Drive(applied="F")), ("lying", None)):
+        ball = sb.Body(name, mass=3)
+        parts += [
+            sb.Prismatic(f"rail {name}", "ground", ball, axis="z", coordinate=f"z_{name}", force=force),
+            sb.Contact(f"floor {name}", "ground", ball, ["plane", "point"], normal="rigid"),
+        ]
+    model = sb.Model("m", parts, gravity=(0, 0, -9.81), parameters={"F": 29.43 - 2e-14})
+    eqs, at = sb.form_equations(model), {"z_borne": 0, "z_lying": 0}
+    assert 0.0 < abs(float(sb.assemble(eqs, at)["opening_effort floor borne"])) < 1e-13
+    notes = sb.linearize(eqs, at=at).notes
+    assert any("contact floor borne is closed with 0 N" in note for note in notes)
+    assert any("contact floor lying is closed with 29.43 N" in note for note in notes)
+    assert any("contact floor borne switches at this state" in note for note in notes)
+
+
 PUSH, MU_PUSHED = "6*cos(5*t)", 0.1
 PUSHED_TIMES = np.linspace(0.0, 2.0, 41)
 

@@ -4,13 +4,14 @@ Two legs without mass, a heavy hip and two feet as light as can be walk down a s
 a pendulum under an inverted pendulum; where the swinging foot comes down the legs change their parts, which
 is an event. The foot swings through the floor once, in the middle of a step, which only a knee could avoid.
 
-Check: Newton's method on the state behind a step finds the gait, in which each step is as the one before. At
-a slope of 0.009 its angle is 0.2003109005, in programs by M. Garcia (1998) and P. A. Bhounsule (2013) too. Its
-multipliers, by which small errors change from step to step, are -0.1901 +- 0.5576i, 0.589 in magnitude, so that
-it is stable; a note in Garcia's program has -0.1912 +- 0.5563i. M. Garcia, A. Chatterjee, A. Ruina, M. Coleman,
-The simplest walking model: stability, complexity, and scaling, J. Biomech. Eng. 120(2) (1998) 281; P. A.
-Bhounsule, Numerical accuracy of two benchmark models of walking: the rimless spoked wheel and the simplest
-walker, Dynamics of Continuous, Discrete and Impulsive Systems B 21 (2014) 137.
+Check: Newton's method on the state behind a step finds the gait, in which each step is as the one before.
+At a slope of 0.009 its angle is 0.2003109005, in programs by M. Garcia (1998) and P. A. Bhounsule (2013)
+too. Its multipliers, by which small errors change from step to step, are -0.1901 +- 0.5576i, 0.589 in
+magnitude, so that it is stable; a note in Garcia's program has -0.1912 +- 0.5563i. M. Garcia, A.
+Chatterjee, A. Ruina, M. Coleman, The simplest walking model: stability, complexity, and scaling, J.
+Biomech. Eng. 120(2) (1998) 281; P. A. Bhounsule, Numerical accuracy of two benchmark models of walking: the
+rimless spoked wheel and the simplest walker, Dynamics of Continuous, Discrete and Impulsive Systems B 21
+(2014) 137.
 """
 
 import numpy as np

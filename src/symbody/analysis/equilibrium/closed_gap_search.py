@@ -239,9 +239,8 @@ class ClosedGapSearch:
 
     def _change(self, candidate: Candidate, closed: frozenset[str]) -> frozenset[str] | None:
         """Return the gaps to be closed next: with negative ones, or without the one that is shut most."""
-        search, rest = candidate.search, candidate.residual
-        efforts, _ = self._limited_efforts(search, rest, closed)
-        negative = self._closed_gaps(rest.q, -AT_LENGTH) - closed
+        efforts, _ = self._limited_efforts(candidate.search, candidate.residual, closed)
+        negative = self._closed_gaps(candidate.residual.q, -AT_LENGTH) - closed
         if negative:
             return closed | negative
         worst = min(efforts, key=lambda name: efforts[name], default="")
@@ -250,7 +249,7 @@ class ClosedGapSearch:
     def _efforts(
         self,
         search: EquilibriumSearch,
-        rest: StaticResidual,
+        end: StaticResidual,
         closed: frozenset[str],
         limits: Mapping[str, float],
     ) -> dict[str, float]:
@@ -259,10 +258,10 @@ class ClosedGapSearch:
         places = row_places(search.evaluator.eqs.formed, order)
         rows = search.evaluator.eqs.formed.rows
         senses = np.array([rows[place].sense for place in places], dtype=np.float64)
-        efforts = senses * rest.multipliers[places]
+        efforts = senses * end.multipliers[places]
         small = np.array([limits[name] for name in order])
         if (efforts <= small).any():
-            freedoms = senses[:, np.newaxis] * search.undetermined_multipliers(rest)[places]
+            freedoms = senses[:, np.newaxis] * search.undetermined_multipliers(end)[places]
             efforts = _least_shutting(efforts, freedoms)
             if (efforts <= small).any() and (efforts >= -small).all():
                 efforts = _most_opening(efforts, freedoms, small)
