@@ -56,7 +56,6 @@ from symbody.model.model import Model
 # Outputs that redundant constraints leave undetermined stand in the notes of mechanisms of so many joints.
 _MOST_LISTED: Final = 40
 # Shapes that nothing can leave on the other side within a step.
-_BOUNDLESS: Final = frozenset({"plane", "height", "socket", "hole"})
 
 
 def derive(
@@ -328,7 +327,6 @@ def _notes(system: MultibodySystem) -> tuple[str, ...]:
         *_cut_coupling_notes(system.joint_roles),
         *_singularity_notes(system.graph, system.variables),
         *_gap_notes(system.topology.model),
-        *contact_notes(system.topology.model),
     )
 
 
@@ -339,24 +337,6 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
         f"so the joint has one more closing equation that relates its coordinates, although it is cut"
         for role in roles
         if role.joint.coupled_coordinates and not role.in_rotation and role.unknown_coordinates
-    )
-
-
-def contact_notes(model: Model) -> tuple[str, ...]:
-    """Return a note on contacts of which a long step may see nothing; behind a plane all is inside."""
-    names = [
-        part.name
-        for part in model.elements
-        if isinstance(part, Contact)
-        and not part.is_rigid
-        and _BOUNDLESS.isdisjoint(shape.word for shape in part.shapes)
-    ]
-    if not names:
-        return ()
-    return (
-        f"contact {', '.join(names)}: a step in which the shapes fly through each other does not see them; "
-        "bound steps by their thickness over their speed, Explicit(max_step=..), or let an event on the gap "
-        "begin a new one",
     )
 
 

@@ -224,7 +224,7 @@ def go_on_from_cut(
     x: Reals, breaks: Reals, Z: Reals,
 ) -> int:  # fmt: skip
     """Go on behind a cut; return a code of `block`."""
-    if MODES != 0:
+    if MODES != 0 and monitor.bound == 0.0:
         if SAMPLES != 0:
             show_values(held, modes.numbers)
         return switch_at_cut(f, e, d, w, run, implicit, monitor, Q, modes, times, t, x, breaks, Z)

@@ -46,6 +46,11 @@ class Element(Declared):
         """Return kind and name."""
         return f"{self.kind} {self.name}"
 
+    @property
+    def compliant_gaps(self) -> Mapping[str, bool]:
+        """The gaps, outputs or formulas, below which it has a force, and whether each is an angle."""
+        return {}
+
     def output_words(self, kind: str) -> tuple[str, ...]:
         """Return what may follow its name in outputs of a kind; none if it has no such output."""
         return self.outputs.get(kind, ())

@@ -264,6 +264,17 @@ class Joint(Connection):
             for end, gap in limits.gaps(x)
         )
 
+    @property
+    def compliant_gaps(self) -> Mapping[str, bool]:
+        """The gaps below which limits that are not rigid have a force, and whether each is an angle."""
+        turning = self.rotation_coordinates
+        return {
+            gap.text: x in turning
+            for x, limits in self.limits.items()
+            if not limits.rigid
+            for _, gap in limits.gaps(x)
+        }
+
     def effort_name(self, coordinate: str) -> str:
         """Return the name of the effort along a coordinate: the joint, and the coordinate of several."""
         return f"{self.name} {coordinate}" if len(self.coordinates) > 1 else self.name

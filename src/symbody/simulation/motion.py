@@ -13,7 +13,7 @@ from symbody.analysis.state import State
 from symbody.codegen.call_arguments import address
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
-from symbody.simulation.events.event_functions import EventFunctions, watched_outputs
+from symbody.simulation.events.event_functions import EventFunctions, gap_events, watched_outputs
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import Event, EventSide
 from symbody.simulation.hybrid.passed_jumps import PassedJumps
@@ -222,7 +222,8 @@ class Motion:
             Whether the motion ends where a mode does, or where an event acts beside modes.
         """
         modes = self.modes
-        watched = self.events if modes is None else (*self.events, *modes.ends)
+        ends = () if modes is None else modes.ends
+        watched = (*self.events, *gap_events(self.problem, self.integrator), *ends)
         if not watched:
             return None
 

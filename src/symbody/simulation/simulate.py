@@ -16,7 +16,6 @@ from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.arguments import checked_arguments, named_after
 from symbody.codegen.formation.names import Value
-from symbody.equations.derivation import contact_notes
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import switches
 from symbody.equations.solving.undetermined import find_identically_undetermined, share_notes
@@ -172,8 +171,7 @@ def _input_notes(
     notes = [silent_input_note(eqs.units, name) for name in silent]
     if not (eqs.speed_names or eqs.formed.light_balances):
         notes.append("every coordinate is prescribed: only driving forces and reactions are computed")
-    passed = contact_notes(eqs.formed.topology.model)
-    return (*notes, *passed, *problem.laws.notes, *problem.scales.notes(eqs, atol, rtol))
+    return (*notes, *problem.laws.notes, *problem.scales.notes(eqs, atol, rtol))
 
 
 def _undetermined_notes(eqs: EquationSet, first: State, run: Trajectory) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from symbody.kernels.events.event_location import add_zero, compute_values, sign
 from symbody.kernels.events.event_monitor import MOST_RECENT, EventMonitor
 from symbody.kernels.events.event_starts import ROUNDED_TIMES
 from symbody.kernels.events.event_watch import start_stretch
+from symbody.kernels.events.zeros_in_order import forget_events
 from symbody.kernels.language import Function, Reals, part
 from symbody.kernels.runge_kutta import copy
 from symbody.kernels.step_bounds import EPSILON
@@ -90,21 +91,9 @@ def forget_steps(run: Run, monitor: EventMonitor, breaks: Reals, pieces: Reals, 
 
 def rewind_events(monitor: EventMonitor, H: Reals, t: float) -> None:
     """Forget what happened behind a time from which a motion goes on anew."""
-    direction = monitor.direction
-    row = monitor.states + 2
-    while monitor.happened > 0:
-        if (H[row * (monitor.happened - 1) + 1] - t) * direction <= 0.0:
-            break
-        monitor.happened = monitor.happened - 1
+    forget_events(monitor, H, t)
     for k in range(monitor.event_count):
-        event = monitor.events[k]
-        count = event.recent_count
-        while count > 0:
-            if (monitor.recent[MOST_RECENT * k + count - 1] - t) * direction <= 0.0:
-                break
-            count = count - 1
-        event.recent_count = count
-        event.just_happened = 0.0
+        monitor.events[k].just_happened = 0.0
     monitor.culprit = 0
     monitor.fault = 0
     monitor.resumed = 0

@@ -35,6 +35,7 @@ RECORDS: Final = 0.0
 STOPS: Final = 1.0
 SETS: Final = 2.0
 SWITCHES: Final = 3.0  # ends a mode
+SHORTENS: Final = 4.0  # lets its step be taken again, shorter, without being written down
 
 
 class MonitoredEvent(RecordLayout):
@@ -155,5 +156,6 @@ class EventMonitor(RecordLayout):
     has_acted: float  # whether it ended so
     actor: int  # the event that has acted last, from 1
     ended: int  # the event that has ended a mode, from 1
+    bound: float  # how long a step from the cut may be that is taken again [s]; 0 where none is
     mode_count: int  # modes among the inputs of the functions, and the place of the first one
     first_mode: int

@@ -17,6 +17,7 @@ from symbody.kernels.events.event_location import (
     compute_values_at,
     sign,
     state_at,
+    value_at,
 )
 from symbody.kernels.events.event_monitor import (
     DEEPEST,
@@ -24,11 +25,12 @@ from symbody.kernels.events.event_monitor import (
     GOES_ON,
     LEAF_VALUES,
     NOTHING_YET,
+    SHORTENS,
     STEP_NODES,
     EventMonitor,
 )
 from symbody.kernels.events.event_starts import begin_samples, leave_zero, note_value, settle_start
-from symbody.kernels.events.zeros_in_order import settle, steps_before
+from symbody.kernels.events.zeros_in_order import SIMULTANEOUS, settle, steps_before
 from symbody.kernels.language import INFINITY, Function, Reals, part
 
 RESOLVED: Final = 1e-3
@@ -145,6 +147,8 @@ def compare_samples(e: Function, monitor: EventMonitor, breaks: Reals, pieces: R
     event = monitor.events[place]
     last = event.g_last
     before = event.g_before
+    if event.action == SHORTENS and is_moment(monitor, breaks) != 0:
+        return
     if event.hit != 0.0:  # the sample before was zero
         direction = sign(last)
         if direction == 0.0:
@@ -157,9 +161,28 @@ def compare_samples(e: Function, monitor: EventMonitor, breaks: Reals, pieces: R
         event.hit = sign(before)
         event.hit_time = monitor.t_last
     elif sign(before) * sign(last) < 0.0:
+        if event.action == SHORTENS and comes_back(e, monitor, breaks, pieces, place, sign(before)) == 0:
+            return
         add_root(e, monitor, breaks, pieces, place, monitor.t_before, monitor.t_last, sign(last))
     elif monitor.seen >= 3.0 and is_lowest(event.g_older, before, last) != 0:
         add_touch(e, monitor, breaks, pieces, place, monitor.t_older, monitor.t_last, sign(before))
+
+
+def is_moment(monitor: EventMonitor, breaks: Reals) -> int:
+    """Return 1 if a step is so short that all that happens in it is simultaneous, else 0."""
+    end = breaks[monitor.current + 1]
+    if abs(end - breaks[monitor.current]) <= SIMULTANEOUS * max(monitor.span, abs(end)):
+        return 1
+    return 0
+
+
+def comes_back(
+    e: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, place: int, side: float
+) -> int:
+    """Return 1 if a value is back on a side of zero at the end of its step, else 0."""
+    if value_at(e, monitor, breaks, pieces, place, breaks[monitor.current + 1]) * side > 0.0:
+        return 1
+    return 0
 
 
 def is_lowest(older: float, before: float, last: float) -> int:

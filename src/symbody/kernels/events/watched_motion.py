@@ -52,7 +52,10 @@ def shorten(n: int, rows: int, fit: Reals, piece: Reals, share: float) -> None:
 def cut_back(
     run: Run, monitor: EventMonitor, t: Reals, x: Reals, breaks: Reals, pieces: Reals, goes_on: int
 ) -> None:
-    """Forget what lies beyond the cut; its state is a sample if every step is one, or if it is the end."""
+    """Forget what lies beyond the cut; its state is a sample if every step is one, or if it is the end.
+
+    A step that is taken again begins with a sample.
+    """
     n = run.states
     rows = run.method.dense_rows
     cut = monitor.cut
@@ -75,7 +78,7 @@ def cut_back(
         if (t[sample - 1] - first) * way < 0.0:
             break
         sample = sample - 1
-    if run.room.every_step != 0.0 or goes_on == 0:
+    if (run.room.every_step != 0.0 and monitor.bound == 0.0) or goes_on == 0:
         t[sample] = cut
         copy(n, monitor.before, part(x, sample * n, n))
         sample = sample + 1

@@ -21,6 +21,7 @@ from symbody.kernels.events.event_monitor import (
     NOTHING_YET,
     RECORDS,
     SETS,
+    SHORTENS,
     SPOILS,
     STOPS,
     SWITCHES,
@@ -40,6 +41,8 @@ from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import copy
 
 SIMULTANEOUS: Final = 1e-12
+# By so much a step becomes shorter at most that is taken again.
+SHORTEST: Final = 1e-3
 # A value that changes by such a share of its largest has jumped.
 TORN: Final = 0.25
 # So many events of one kind within such a share of the run are chattering.
@@ -156,6 +159,51 @@ def any_acts(monitor: EventMonitor, t: float, within: float) -> int:
     return 0
 
 
+def any_shortens(monitor: EventMonitor, t: float, within: float) -> int:
+    """Return 1 if a step is to be taken again because of a zero of a moment, else 0."""
+    for k in range(monitor.pending_count):
+        zero = monitor.pending[k]
+        if abs(zero.time - t) <= within and monitor.events[zero.event].action == SHORTENS:
+            return 1
+    return 0
+
+
+def take_again(monitor: EventMonitor, breaks: Reals, pieces: Reals, H: Reals, t: float) -> None:
+    """Let the motion go on from the start of the step in which a time lies, by shorter steps.
+
+    Inside it what is watched passed zero, and was back at its end. If what acts beyond zero was seen while
+    its polynomial was made, that is not the motion, so that the time counts as a guess.
+    """
+    step = monitor.current
+    while step > monitor.first_step and (t - breaks[step]) * monitor.direction <= 0.0:
+        step = step - 1
+    length = abs(breaks[step + 1] - breaks[step])
+    monitor.bound = max(0.5 * abs(t - breaks[step]), SHORTEST * length)
+    monitor.cut = breaks[step]
+    copy(monitor.states, part(pieces, step * monitor.piece_rows * monitor.states, 1), monitor.before)
+    copy(monitor.states, monitor.before, monitor.after)
+    forget_events(monitor, H, monitor.cut)
+
+
+def forget_events(monitor: EventMonitor, H: Reals, t: float) -> None:
+    """Forget what happened behind a time."""
+    direction = monitor.direction
+    row = monitor.states + 2
+    while monitor.happened > 0:
+        if (H[row * (monitor.happened - 1) + 1] - t) * direction <= 0.0:
+            break
+        monitor.happened = monitor.happened - 1
+    for k in range(monitor.event_count):
+        event = monitor.events[k]
+        count = event.recent_count
+        while count > 0:
+            if (monitor.recent[MOST_RECENT * k + count - 1] - t) * direction <= 0.0:
+                break
+            count = count - 1
+            event.just_happened = 0.0
+        event.recent_count = count
+
+
 def happen(
     e: Function, a: Function, c: Function, monitor: EventMonitor, breaks: Reals, pieces: Reals, H: Reals,
     t: float, within: float,
@@ -166,7 +214,11 @@ def happen(
     number = next_of_moment(monitor, t, within)
     if number < 0:
         return NOTHING_YET
+    if any_shortens(monitor, t, within) != 0:
+        take_again(monitor, breaks, pieces, H, t)
+        return GOES_ON
     acts = any_acts(monitor, t, within)
+    monitor.bound = 0.0
     monitor.cut = monitor.pending[number].time
     state_at(monitor, breaks, pieces, monitor.cut, before)
     if acts != 0:

@@ -35,6 +35,8 @@ def go_on(
     after = monitor.after
     copy(n, after, run.state_old)
     code = begin_anew(f, run, implicit, times, t, x, breaks)
+    if monitor.bound != 0.0:
+        run.step = run.goal.direction * min(abs(run.step), monitor.bound)
     sample = run.counts.samples
     if code == FINISHED and run.counts.samples < run.room.times:
         t[sample] = monitor.cut

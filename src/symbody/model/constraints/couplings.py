@@ -108,21 +108,32 @@ class Gear(JointCoupling):
         return (_ONE, _negative(self.ratio))
 
     @property
+    def lead(self) -> str:
+        """By how much the first wheel is ahead of the second, as a formula."""
+        first, second = self.coupled
+        return f"{first} - ({self.ratio.text})*{second} - ({self.offset.text})"
+
+    @property
     def stops(self) -> tuple[Stop, ...]:
         """What rigid teeth with backlash are: a stop at each end of the play."""
         if self.backlash is None or not self.backlash.rigid:
             return ()
-        first, second = self.coupled
-        lead = f"{first} - ({self.ratio.text})*{second} - ({self.offset.text})"
         restitution = self.backlash.restitution or 0
         return tuple(
-            Stop(f"{self.name} {end}", gap, restitution=restitution) for end, gap in self.backlash.gaps(lead)
+            Stop(f"{self.name} {end}", gap, restitution=restitution)
+            for end, gap in self.backlash.gaps(self.lead)
         )
+
+    @property
+    def compliant_gaps(self) -> Mapping[str, bool]:
+        """The angles below which teeth that are not rigid have a force."""
+        if self.backlash is None or self.backlash.rigid:
+            return {}
+        return {gap.text: True for _, gap in self.backlash.gaps(self.lead)}
 
     def output_words(self, kind: str) -> tuple[str, ...]:
         """Return what may follow its name in outputs of a kind."""
-        is_compliant = self.backlash is not None and not self.backlash.rigid
-        return ("",) if kind == "effort" and is_compliant else ()
+        return ("",) if kind == "effort" and self.compliant_gaps else ()
 
 
 @final

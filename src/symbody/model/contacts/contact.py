@@ -83,6 +83,11 @@ class Contact(Connection):
         return self.normal == RIGID
 
     @property
+    def compliant_gaps(self) -> Mapping[str, bool]:
+        """The gap below which it has a force."""
+        return {} if self.is_rigid else {f"gap {self.name}": False}
+
+    @property
     def coordinates(self) -> tuple[str, ...]:
         """None: it brings no coordinates with it."""
         return ()

@@ -19,9 +19,10 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.events.event_monitor import RECORDS, SETS, STOPS, SWITCHES, EventMonitor
+from symbody.kernels.events.event_monitor import RECORDS, SETS, SHORTENS, STOPS, SWITCHES, EventMonitor
+from symbody.kernels.modes.mode_state import AT_LENGTH
 from symbody.kernels.record_layout import exists
-from symbody.simulation.events.events import Event, LevelEvent, ModeEnd
+from symbody.simulation.events.events import Event, GapEvent, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
@@ -218,7 +219,7 @@ def check_action_shapes(events: Sequence[Event], outputs: Sequence[Output]) -> N
 def event_numbers(eqs: EquationSet, event: Event, of_time: bool) -> WatchedEvent:
     """Return an event as numbers; `of_time` if its value reads no state."""
     action = STOPS if event.action == "stop" else SETS if event.mapping else RECORDS
-    action = SWITCHES if isinstance(event, ModeEnd) else action
+    action = SWITCHES if isinstance(event, ModeEnd) else SHORTENS if isinstance(event, GapEvent) else action
     wraps = _reads_wrapped_angle(eqs, str(event.expression))
     targets = tuple(eqs.state_names.index(name) for name in event.mapping)
     level = event.level if isinstance(event, LevelEvent) else 0.0
@@ -243,3 +244,16 @@ def numbers_of_events(
     reads = dependencies(written_out(values.sequence))
     of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
     return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))
+
+
+def gap_events(problem: SimulationProblem, integrator: object) -> tuple[GapEvent, ...]:
+    """Return what watches compliant gaps; nothing for methods whose steps have one length."""
+    if getattr(integrator, "step", None) is not None:
+        return ()
+    # Gaps of bodies in balance may be 0 up to rounding, which is no passage.
+    length = float(np.min(problem.scales.length))
+    gaps = [gap for part in problem.eqs.model.elements for gap in part.compliant_gaps.items()]
+    return tuple(
+        GapEvent(gap, -1, name=f"closing of {gap}", level=-AT_LENGTH * (1.0 if turns else length))
+        for gap, turns in gaps
+    )

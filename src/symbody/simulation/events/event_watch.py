@@ -15,7 +15,7 @@ from symbody.kernels.events.event_monitor import RESTS, ZEROS_PER_EVENT, EventMo
 from symbody.kernels.record_layout import exists
 from symbody.kernels.samples.sampling import ONE_INSTANT
 from symbody.simulation.events.event_functions import EventFunctions
-from symbody.simulation.events.events import Event, EventSide, ModeEnd, Occurrence
+from symbody.simulation.events.events import Event, EventSide, GapEvent, ModeEnd, Occurrence
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.native.description import Record
 from symbody.simulation.native.machine import given_steps
@@ -90,19 +90,13 @@ class EventWatch:
     @property
     def notes(self) -> tuple[str, ...]:
         """Where values were not numbers, or passed a pole: nothing happened there."""
-        labels = [event.label for event in self._functions.events]
+        pairs = zip(self._functions.events, self._monitor.events, strict=True)
+        told = [(event.label, seen) for event, seen in pairs if not isinstance(event, GapEvent)]
         seen = [
-            (
-                event.no_number,
-                event.no_number_time,
-                event.pole,
-                event.pole_time,
-                event.waits,
-                event.waits_time,
-            )
-            for event in self._monitor.events
+            (one.no_number, one.no_number_time, one.pole, one.pole_time, one.waits, one.waits_time)
+            for _, one in told
         ]
-        return value_notes(labels, np.array(seen))
+        return value_notes([label for label, _ in told], np.array(seen).reshape(-1, 6))
 
     def sides_at(self, t: float) -> tuple[EventSide, ...]:
         """Return where the values stand at the end of the run [s]: those of the last samples.
@@ -155,6 +149,11 @@ class EventWatch:
     def last_time(self) -> float:
         """When something happened last [s]."""
         return float(self._happened[self._monitor.happened - 1, 1])
+
+    @property
+    def longest_step(self) -> float:
+        """How long the next step may be, which is taken again [s]; 0 if none is."""
+        return self._monitor.bound
 
     def hand_over(self) -> None:
         """Let the motion end where a mode does, for methods outside the loop in which modes change."""

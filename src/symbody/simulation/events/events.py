@@ -151,6 +151,14 @@ class ModeEnd(LevelEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class GapEvent(LevelEvent):
+    """The closing of a compliant gap: a step at whose end it is open again is taken again, shorter.
+
+    Its force would be seen by none of the evaluations of such a step.
+    """
+
+
+@dataclass(frozen=True, slots=True)
 class ModeChange:
     """An element that changes its mode.
 

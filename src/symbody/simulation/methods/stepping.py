@@ -195,6 +195,7 @@ class SteppedRun:
         self.block, self.jumps = course.block, course.jumps
         self._stepper, self._course = stepper, course
         self._is_continued = course.before is not None
+        self._longest = 0.0  # next step, 0 where any may be
 
     def begin(self, record: Record) -> int:
         """Store the first sample; return a code of `symbody.kernels.block`."""
@@ -215,6 +216,7 @@ class SteppedRun:
                 code = watch.process(self.block, record, code)
             if code == at.RESTARTED:
                 code = self._begin_anew(record)
+                self._longest = 0.0 if watch is None else watch.longest_step
             if code == at.FINISHED and self.jumps is not None and self.jumps.is_due:
                 code = self._pass_jump(record, watch, self.jumps)
             if code != at.RUNNING:
@@ -249,7 +251,7 @@ class SteppedRun:
             return at.FULL
         if counts.accepted >= run.goal.max_trials:
             return at.TOO_MANY
-        step = self._stepper.advance(run.t_end)
+        step = self._stepper.advance(self._next_end(run))
         if isinstance(step, Failure):
             return self._fail(step)
         if not np.isfinite(step.nodes).all():
@@ -262,6 +264,12 @@ class SteppedRun:
         places = map(address, (self.block, *record.arrays))
         given_steps().keep_given(self._course.projector, *places, step.t)
         return at.RUNNING
+
+    def _next_end(self, run: Run) -> float:
+        """Return beyond which time the next step may not go."""
+        longest, self._longest = self._longest, 0.0
+        end = run.time + run.goal.direction * longest
+        return end if longest and (run.t_end - end) * run.goal.direction > 0.0 else run.t_end
 
     def _fail(self, failure: Failure) -> int:
         counts = Run(self.block).counts

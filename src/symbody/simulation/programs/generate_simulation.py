@@ -319,7 +319,7 @@ def _sizes(motion: PreparedMotion) -> dict[str, str]:
         "BREAKS": happens.steps + 2, "PIECES": (happens.steps + 1) * rows,
         "FIRST_ROOM": 64 + 8 * len(happens.labels),
         "RECORDED": STEPS * (len(happens.held) + 1), "TRIALS": _TRIALS,
-        "DECIDED": STEPS * (3 + len(happens.ends) + len(motion.names)), "EVENT_COUNT": count,
+        "DECIDED": STEPS * (3 + len(happens.others) + len(motion.names)), "EVENT_COUNT": count,
         "ROOM_PLACE": EventMonitor.layout["happened_room"], "HAPPENED_PLACE": EventMonitor.layout["happened"],
         "CULPRIT_PLACE": EventMonitor.layout["culprit"], "RECORDED_PLACE": SampleHold.layout["recorded"],
         **{name: getattr(block, name) for name in codes},

@@ -70,8 +70,8 @@ class Happenings:
     Attributes
     ----------
     events : tuple of Event
-    ends : tuple of Event
-        What ends modes; they stand behind the events.
+    others : tuple of Event
+        What closes gaps and ends modes; they stand behind the events.
     held : tuple of HeldValue
         What is held between samples.
     functions : mapping of name to ProgramFunction
@@ -84,7 +84,7 @@ class Happenings:
     """
 
     events: tuple[Event, ...]
-    ends: tuple[Event, ...]
+    others: tuple[Event, ...]
     held: tuple[HeldValue, ...]
     functions: Mapping[str, ProgramFunction]
     monitor: Floats
@@ -96,8 +96,8 @@ class Happenings:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The names of events and of ends of modes."""
-        return tuple(event.label for event in (*self.events, *self.ends))
+        """The names of all that is watched."""
+        return tuple(event.label for event in (*self.events, *self.others))
 
     @property
     def arrays(self) -> dict[str, Floats]:
@@ -190,7 +190,7 @@ def _modes(
     made = mode_block(modal, eqs, scales, first, *shapes)
     switch, search = ModeSwitch(made), EventMonitor(monitor)
     switch.room = STEPS
-    switch.first_event = len(motion.request.events)
+    switch.first_event = len(motion.events) - switch.count
     search.mode_count, search.first_mode = switch.count, first
     return made
 

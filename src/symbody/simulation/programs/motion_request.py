@@ -15,7 +15,7 @@ from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.modal_equations import ModalEquations, modal_equations
 from symbody.errors import Problem, UsageError
 from symbody.model.model import Model, resolve_parameters
-from symbody.simulation.events.event_functions import watched_outputs
+from symbody.simulation.events.event_functions import gap_events, watched_outputs
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import jump_parameters
 from symbody.simulation.hybrid.switching import loose_modes, mode_ends
@@ -129,8 +129,9 @@ class PosedMotion:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happens where a value passes zero: events, then ends of modes."""
-        return (*self.request.events, *(() if self.modal is None else mode_ends(self.modal)))
+        """What happens where a value passes zero: events, closing gaps, then ends of modes."""
+        ends = () if self.modal is None else mode_ends(self.modal)
+        return (*self.request.events, *gap_events(self.integration.problem, self.method), *ends)
 
     @property
     def eqs(self) -> EquationSet:

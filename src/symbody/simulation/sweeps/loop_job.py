@@ -18,8 +18,8 @@ from symbody.equations.solving.modal_equations import modal_equations
 from symbody.equations.solving.parameter_constraints import check_parameter_constraints
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.simulation.events.event_functions import EventFunctions
-from symbody.simulation.events.events import ModeEnd
+from symbody.simulation.events.event_functions import EventFunctions, gap_events
+from symbody.simulation.events.events import GapEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import with_cut_fit
 from symbody.simulation.hybrid.mode_record import ModalElements, modal_elements, mode_words
 from symbody.simulation.hybrid.switching import SwitchingModes, check_backwards, loose_modes
@@ -152,7 +152,7 @@ def prepare_loop(sweep: SweepJob) -> tuple[LoopJob, Chunk, dict[int, str]]:
     problem = moving = replace(source, eqs=modal.eqs, laws=laws)
     if isinstance(constraints, Baumgarte):
         moving = replace(problem, eqs=constraints.applied(modal.eqs))
-    modes, events = None, motion.events
+    modes, events = None, (*motion.events, *gap_events(source, motion.integrator))
     if modal.modes:
         check_backwards(span)
         modes = SwitchingModes(replace(source, scales=first.scales.of_motion(0)))
@@ -225,7 +225,7 @@ def _happenings(
     monitor.piece_rows, monitor.direction = rows, 1.0 if span[1] >= span[0] else -1.0
     monitor.first_length = float(method.first_step or 0.0)
     labels, own = tuple(event.label for event in watch.events), watch.events
-    events = sum(not isinstance(event, ModeEnd) for event in own)
+    events = sum(not isinstance(event, ModeEnd | GapEvent) for event in own)
     if modes is None:
         return CaseHappenings(block, labels=labels, events=events)
     modes.prepare(block)
