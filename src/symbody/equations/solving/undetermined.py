@@ -15,6 +15,7 @@ from random import Random
 from typing import Final, NamedTuple
 
 from symbody.equations.equations_of_motion import EquationsOfMotion
+from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.solving.negligible_constraints import input_places, random_point
 from symbody.equations.solving.self_stress import Component, SelfStress, StressBlock, self_stress
 from symbody.expr.sequences.evaluate import evaluate_sequence
@@ -23,6 +24,7 @@ from symbody.manifold import null_space
 from symbody.tolerances import RANK
 
 _FORCES: Final = ("Fx", "Fy", "Fz")
+_MOMENTS: Final = ("Mx", "My", "Mz")
 
 
 class Undetermined(NamedTuple):
@@ -116,8 +118,7 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
         f"redundant constraints leave undetermined{where}: {_list_outputs(names)}; their values are those "
         f"of the minimum-norm solution"
     ]
-    forces = {f"reaction {law.owner} {entry}" for law in formed.friction for entry in _FORCES
-              if law.reads_reaction}  # fmt: skip
+    forces = {f"reaction {law.owner} {entry}" for law in formed.friction for entry in _entries_read(law)}
     rubbing = dict.fromkeys(name.rpartition(" ")[0].partition(" ")[2] for name in names if name in forces)
     if rubbing:
         notes.append(
@@ -125,6 +126,16 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
             f"minimum-norm solution"
         )
     return tuple(notes)
+
+
+def _entries_read(law: FrictionLaw) -> tuple[str, ...]:
+    """Return the entries of a joint's reaction that its friction may follow from: none along its axis."""
+    if not law.reads_reaction:
+        return ()
+    slides, axis = law.joint.translation_coordinates, getattr(law.joint, "axis", "")
+    turns_alone = not slides or not law.joint.rotation_coordinates
+    forces = tuple(entry for entry in _FORCES if not (turns_alone and entry == f"F{axis}"))
+    return (*forces, *_MOMENTS) if slides and law.radius is not None else forces
 
 
 def _list_outputs(names: Sequence[str]) -> str:
