@@ -130,7 +130,7 @@ def share_notes(formed: EquationsOfMotion, names: Sequence[str], where: str = ""
 
 def _entries_read(law: FrictionLaw) -> tuple[str, ...]:
     """Return the entries of a joint's reaction that its friction may follow from: none along its axis."""
-    if not law.reads_reaction:
+    if law.joint is None or not law.reads_reaction:
         return ()
     slides, axis = law.joint.translation_coordinates, getattr(law.joint, "axis", "")
     turns_alone = not slides or not law.joint.rotation_coordinates

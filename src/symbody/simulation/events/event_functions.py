@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Protocol
 
 import numpy as np
@@ -248,12 +248,17 @@ def numbers_of_events(
 
 def gap_events(problem: SimulationProblem, integrator: object) -> tuple[GapEvent, ...]:
     """Return what watches compliant gaps; nothing for methods whose steps have one length."""
-    if getattr(integrator, "step", None) is not None:
+    eqs = problem.eqs
+    gaps: Mapping[str, bool] = eqs.plans.get("compliant gaps", partial(_compliant_gaps, eqs))
+    if not gaps or getattr(integrator, "step", None) is not None:
         return ()
     # Gaps of bodies in balance may be 0 up to rounding, which is no passage.
     length = float(np.min(problem.scales.length))
-    gaps = [gap for part in problem.eqs.model.elements for gap in part.compliant_gaps.items()]
     return tuple(
         GapEvent(gap, -1, name=f"closing of {gap}", level=-AT_LENGTH * (1.0 if turns else length))
-        for gap, turns in gaps
+        for gap, turns in gaps.items()
     )
+
+
+def _compliant_gaps(eqs: EquationSet) -> Mapping[str, bool]:
+    return {gap: turns for part in eqs.model.elements for gap, turns in part.compliant_gaps.items()}

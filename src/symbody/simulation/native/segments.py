@@ -55,6 +55,11 @@ class Watch(LoopPart, Protocol):
         """Decides the modes that some events end."""
         ...
 
+    @property
+    def longest_step(self) -> float:
+        """How long the next step may be; 0 where any may be."""
+        ...
+
     def process(self, block: Floats, record: Record, code: int) -> int:
         """Let events happen in the steps so far, the last of which ended with a code; return the code."""
         ...
