@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symbody.kernels.language import part
+from symbody.kernels.language import part, sqrt
 from symbody.kernels.modes.find_modes import BALANCED, CANCELLED
 from symbody.kernels.modes.mode_problem import BOUNDED, CONE, HOLDS, LOOSE, UNILATERAL, ModeElement
 from symbody.kernels.modes.mode_state import slow_rate
@@ -99,6 +99,11 @@ def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place:
             element.law = CONE
             element.first = own.ahead
             element.second = own.aside
+            along = own.rate * own.ahead + own.across * own.aside
+            if own.is_decided != 0.0 and is_shock == 0 and along > 0.0:  # it turns with the slip
+                size = sqrt(own.rate * own.rate + own.across * own.across)
+                element.first = own.rate / size
+                element.second = own.across / size
 
 
 def candidate_block(modes: ModeSwitch) -> int:

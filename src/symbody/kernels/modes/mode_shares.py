@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
+from symbody.kernels.language import Reals, part
 from symbody.kernels.modes.held_rows import factor_held, shares_effort
 from symbody.kernels.modes.held_shares import held_place
+from symbody.kernels.modes.mode_problem import ModeElement, ModeProblem
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.mode_trial import is_held, list_held
+from symbody.kernels.modes.mode_trial import hold_rows, is_held, is_slider, list_held, put_friction
+
+MATTERS: Final = 1e-6  # accelerations by another share, of what cancels in them
 
 
 def note_shares(modes: ModeSwitch) -> None:
@@ -28,3 +34,75 @@ def note_shares(modes: ModeSwitch) -> None:
             if shares_effort(problem, i, problem.vector) == 1:
                 modes.elements[place].shares = 1.0
                 modes.shares = modes.shares + 1
+
+
+def shares_matter(problem: ModeProblem) -> int:
+    """Return 1 if other shares of the efforts that hold would change an acceleration, else 0.
+
+    So it is with a box that slides and spins on four corners: friction in each follows from its share. The
+    efforts that hold have to be factored.
+    """
+    rows = problem.rows
+    column = problem.combination
+    for extra in range(problem.rank, problem.held_count):
+        put_other_share(problem, extra, problem.vector, column)
+        friction = part(problem.room, 6 * rows, rows)
+        put_share_of_friction(problem, column, friction)
+        if hold_rows(problem, 1, friction) == 0 and moves_rows(problem, friction) == 1:
+            return 1
+    return 0
+
+
+def put_other_share(problem: ModeProblem, extra: int, y: Reals, column: Reals) -> None:
+    """Set a column of efforts to some that hold nothing, with a unit of the dependent row at a place."""
+    n = problem.held_count
+    L = problem.factor
+    for i in range(problem.rows):
+        column[i] = 0.0
+    for k in range(problem.rank - 1, -1, -1):
+        y[k] = L[extra * n + k]
+        for c in range(k + 1, problem.rank):
+            y[k] = y[k] - L[c * n + k] * y[c]
+        y[k] = y[k] / L[k * n + k]
+        row = int(problem.held[k])
+        column[row] = -y[k] / problem.sizes[row]
+    row = int(problem.held[extra])
+    column[row] = 1.0 / problem.sizes[row]
+
+
+def put_share_of_friction(problem: ModeProblem, column: Reals, friction: Reals) -> None:
+    """Set `friction` to that of sliders whose reactions change by those of a column of efforts."""
+    for i in range(problem.rows):
+        friction[i] = 0.0
+    for k in range(problem.count):
+        element = problem.elements[k]
+        if is_slider(element) == 1:
+            put_friction(element, element.sliding * change_of_load(problem, element, column), friction)
+
+
+def change_of_load(problem: ModeProblem, element: ModeElement, column: Reals) -> float:
+    """Return by how much the norm of the reaction of an element changes, to first order."""
+    total = 0.0
+    for i in range(element.normal, element.normal + element.normals):
+        load = problem.loads[i]
+        change = 0.0
+        for j in range(problem.rows):
+            load = load + problem.reactions[i * problem.rows + j] * problem.efforts[j]
+            change = change + problem.reactions[i * problem.rows + j] * column[j]
+        if element.normal_load > 0.0:
+            total = total + change * load / element.normal_load
+    return total
+
+
+def moves_rows(problem: ModeProblem, efforts: Reals) -> int:
+    """Return 1 if efforts accelerate a row by more than rounding, else 0."""
+    for i in range(problem.rows):
+        total = 0.0
+        size = 0.0
+        for j in range(problem.rows):
+            term = problem.responses[i * problem.rows + j] * efforts[j]
+            total = total + term
+            size = size + abs(term)
+        if abs(total) > MATTERS * size:
+            return 1
+    return 0

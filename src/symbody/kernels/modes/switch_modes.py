@@ -10,10 +10,10 @@ from typing import Final
 from symbody.kernels.events.event_location import sign
 from symbody.kernels.language import Function, Reals, is_finite
 from symbody.kernels.modes.fill_problem import acceleration_of, fill_problem, slight_effort
-from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, find_modes
+from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, SHARED, TWO, find_modes
 from symbody.kernels.modes.impacts import are_struck, rest_of_impacts, strike_gaps
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
-from symbody.kernels.modes.mode_shares import note_shares
+from symbody.kernels.modes.mode_shares import note_shares, shares_matter
 from symbody.kernels.modes.mode_state import (
     AT_LENGTH,
     FUNCTION_FAULT,
@@ -93,9 +93,12 @@ def decide_at_speeds(modes: ModeSwitch) -> int:
     if modes.gaps > 0 and verdict == ONE and open_elements(modes, 1) == 1:
         verdict = decide(modes)
     modes.verdict = verdict
-    if verdict != ONE:
+    if verdict == ONE or verdict == TWO:
+        note_shares(modes)
+        if modes.shares > 0 and shares_matter(modes.problem) == 1:
+            modes.verdict = SHARED
+    if modes.verdict != ONE:
         return NO_MODES
-    note_shares(modes)
     return SETTLED
 
 
@@ -157,7 +160,7 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
         elif element.absent != 0.0:
             opens = LOOSE
             is_decided = 1.0
-        elif has_turned(element) == 0 and speed_of(element) > slow_rate(modes, element):
+        elif has_turned(modes, element) == 0 and speed_of(element) > slow_rate(modes, element):
             opens = int(sign(element.rate))
             if element.rows == 2:
                 opens = LOOSE
@@ -171,11 +174,16 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
     return differs
 
 
-def has_turned(element: SwitchingElement) -> int:
-    """Return 1 if what slipped until an event turns back: it came to rest a little before, else 0."""
+def has_turned(modes: ModeSwitch, element: SwitchingElement) -> int:
+    """Return 1 if what slipped until an event turns back: it came to rest a little before, else 0.
+
+    A contact that slips across its heading by then has not come to rest.
+    """
     along = float(element.mode) * element.rate
     if element.rows == 2:
         along = float(element.mode) * (element.rate * element.ahead + element.across * element.aside)
+        if abs(element.across * element.ahead - element.rate * element.aside) > slow_rate(modes, element):
+            return 0
     if element.ended != 0.0 and element.before != 0.0 and along < 0.0 and element.absent == 0.0:
         return 1
     return 0
@@ -309,6 +317,10 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
     """Give a state speeds that fit the modes, and note what ends these."""
     energy = energy_of(modes)
     show_modes(modes, modes.projection)
+    for k in range(modes.count):
+        element = modes.elements[k]
+        if element.rows == 2 and element.is_decided == 0.0:
+            modes.projection.inputs[modes.first_input + k] = 0.0  # it begins to slip with no speed aside
     if project_speeds(w, modes, t, x) != 0:
         return NO_SPEEDS
     moved = 0

@@ -182,8 +182,8 @@ def watch_shares(
 ) -> None:
     """Let a mode end in the last step where no shares of efforts hold any more."""
     last = run.counts.steps - 1
-    if modes.shares == 0 or last < 0:
-        return
+    if modes.shares == 0 or last < 0 or breaks[last + 1] == monitor.cut:
+        return  # no step yet in these modes: the last try was too long
     size = monitor.piece_rows * run.states
     step = part(pieces, last * size, size)
     t = find_end_of_shares(d, modes, monitor.piece_rows, part(breaks, last, 2), step, modes.fitted)
