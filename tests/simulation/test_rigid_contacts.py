@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -242,6 +243,30 @@ def test_random_balls_keep_the_laws_of_contacts(seed: int) -> None:
         assert force[2].min() > -1e-6
         assert (np.hypot(force[0], force[1]) - mu * force[2]).max() <= 1e-6 * (1 + np.abs(force).max())
         assert np.abs(force[2] * np.maximum(gap, 0.0)).max() < 1e-6 * (1 + force[2].max())
+
+
+@pytest.mark.parametrize(("across", "along"), permutations("xyz", 2))
+def test_what_is_pressed_against_a_guided_body_holds_it(across: str, along: str) -> None:
+    """With 9.81 N of friction, for each direction of the normal: its axes are others where x is along it."""
+    bodies = [sb.Body("Guided", mass=1), sb.Body("Presses", mass=0.05)]
+    parts = [
+        *bodies,
+        sb.Prismatic("guide", "ground", bodies[0], axis=along, coordinate="q"),
+        sb.Prismatic("press", "ground", bodies[1], axis=across, coordinate="p", force=sb.Drive(applied="40")),
+        sb.Contact("touch", bodies[1], bodies[0], ["point", {"sphere": R}], normal="rigid",
+                   friction=sb.Friction(mu=0.6)),
+    ]  # fmt: skip
+    weight = tuple(-G * float(axis == along) for axis in "xyz")
+    run = sb.simulate(
+        sb.form_equations(sb.Model("pressed", parts, gravity=weight, initial={"p": -R})), 1.0, rtol=1e-9
+    )
+    assert [(change.name, change.mode) for change in run.modes] == [
+        ("touch friction", "sticks"),
+        ("touch", "closed"),
+    ]
+    assert run["q"] == pytest.approx(0, abs=1e-12)
+    x, y, pressed = run["contact_force touch"]
+    assert np.hypot(x, y) == pytest.approx(G, rel=1e-9) and pressed == pytest.approx(40, rel=1e-9)
 
 
 def test_what_a_rigid_contact_cannot_have_is_refused() -> None:
