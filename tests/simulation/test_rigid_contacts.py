@@ -245,7 +245,7 @@ def test_random_balls_keep_the_laws_of_contacts(seed: int) -> None:
         assert np.abs(force[2] * np.maximum(gap, 0.0)).max() < 1e-6 * (1 + force[2].max())
 
 
-@pytest.mark.parametrize(("across", "along"), permutations("xyz", 2))
+@pytest.mark.parametrize(("across", "along"), list(permutations("xyz", 2)))
 def test_what_is_pressed_against_a_guided_body_holds_it(across: str, along: str) -> None:
     """With 9.81 N of friction, for each direction of the normal: its axes are others where x is along it."""
     bodies = [sb.Body("Guided", mass=1), sb.Body("Presses", mass=0.05)]
