@@ -32,7 +32,12 @@ HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures" / "gallery"
 EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
-HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
+HEADINGS: Final[Mapping[str, str]] = {
+    "linkages": "Linkages",
+    "drives": "Drives",
+    "motions": "Motions",
+    "contacts": "Contacts",
+}
 WIDTH: Final = 100  # of lines of equations, on whatever screen
 LETTERS: Final = 62  # of a typeset row
 MOST_LINES: Final = 23  # of equations that the page shows
@@ -184,7 +189,8 @@ def write_motion_page(path: Path, page: Path) -> None:
     look, title = entry["LOOK"], title_and_text(path)[0]
     view: Any = look.get("view", "auto")  # pages know names of views alone
     view = view if isinstance(view, str) else "isometric"
-    sb.animate(shown, page, live=live, title=title, traces=look.get("traces", ()), view=view)
+    drawn = {"traces": look.get("traces", ()), "vectors": look.get("vectors")}
+    sb.animate(shown, page, live=live, title=title, view=view, **drawn)
 
 
 def main() -> None:

@@ -5,11 +5,11 @@ corner or with two, tilts, slides along a wall and leaves it again. Four rigid c
 little friction. Nothing drives the crank; each impact takes some of its speed.
 
 Check: at each impact the angular velocities jump by `M^-1 (W_n - mu s W_t) P`, with `M` the inertia of the
-three angles, `W_n` and `W_t` how gap and slip of the corners depend on them, and `s` the sign of the slip; the
-impulses `P` end the approach, and grow by their restitution (Poisson). Matrices by hand here; between impacts
-the energy falls by friction alone. Sizes of P. Flores, R. Leine, C. Glocker, Modeling and analysis of planar
-rigid multibody systems with translational clearance joints based on the non-smooth dynamics approach,
-Multibody Syst. Dyn. 23 (2010) 165.
+three angles, `W_n` and `W_t` how gap and slip of the corners depend on them, and `s` the sign of the slip;
+the impulses `P` end the approach, and grow by their restitution (Poisson). Matrices by hand here; between
+impacts the energy falls by friction alone. Sizes of P. Flores, R. Leine, C. Glocker, Modeling and analysis
+of planar rigid multibody systems with translational clearance joints based on the non-smooth dynamics
+approach, Multibody Syst. Dyn. 23 (2010) 165.
 """
 
 from itertools import combinations
@@ -58,9 +58,7 @@ def model():
     ]  # fmt: skip
     walls = [sb.Box((0.46, 0.01, 0.04), at=(0.31, y * (wall + 0.005), 0), opacity=0.5) for y in (-1, 1)]
     first = {"phi_dot": SPEEDS[0], "rod_dot": SPEEDS[1] - SPEEDS[0], "tilt_dot": -SPEEDS[1]}
-    return sb.Model(
-        "clearance", parts, gravity=(0, -G, 0), ground=ground, ground_shapes=walls, initial=first
-    )
+    return sb.Model("clearance", parts, gravity=(0, -G, 0), ground=ground, ground_shapes=walls, initial=first)
 
 
 def motion():
@@ -135,6 +133,8 @@ def draw(run, ax):
         strikes = run.at([each.t for each in run.events if each.name == f"{name} impact" and each.t < 0.155])
         ax.plot(strikes["phi"] / (2 * np.pi), 1e3 * strikes["frame r Slider ground ground y"], "o",
                 ms=4, color=color, label=name)  # fmt: skip
-    ax.set(xlabel="turns of the crank", ylabel="height of the slider [mm]", xlim=(-0.05, 2.3), ylim=(-1.3, 2.0))
+    ax.set(
+        xlabel="turns of the crank", ylabel="height of the slider [mm]", xlim=(-0.05, 2.3), ylim=(-1.3, 2.0)
+    )
     ax.legend(loc="upper center", ncols=4, fontsize=8, columnspacing=1, title="strikes with its corner")
     ax.set_title("A slider between two walls")

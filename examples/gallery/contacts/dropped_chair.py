@@ -1,14 +1,14 @@
 """Dropped chair.
 
 A chair falls askew onto one leg, rocks from leg to leg, turns a little and comes to rest. Each of its feet,
-and the ends of its back, is a sphere that touches the floor compliantly, with friction; one line of the model
-stands for the six of them.
+and the ends of its back, is a sphere that touches the floor compliantly, with friction; one line of the
+model stands for the six of them.
 
-Check: at rest the depths of four feet lie in a plane, so that they share the weight: with feet at `x` and `-x`
-and the centre of mass `c` behind the middle each rear foot bears `W/4 (1 + c/x)` and each front foot
+Check: at rest the depths of four feet lie in a plane, so that they share the weight: with feet at `x` and
+`-x` and the centre of mass `c` behind the middle each rear foot bears `W/4 (1 + c/x)` and each front foot
 `W/4 (1 - c/x)`. Rigid feet would leave the shares undetermined, as L. Euler saw for tables: De pressione
-ponderis in planum cui incumbit (1774). Here the chair also leans back, its centre of mass, `h` above those of the feet, by
-`h D/(2 k x)`, where `D` is by how much more a rear foot bears.
+ponderis in planum cui incumbit (1774). Here the chair also leans back, its centre of mass, `h` above those
+of the feet, by `h D/(2 k x)`, where `D` is by how much more a rear foot bears.
 """
 
 import numpy as np

@@ -5,10 +5,10 @@ loosened for half a second: the box slips, and is caught where it is tightened a
 contacts that stick, so that the box does not creep while it is held; the table is soft, since between rigid
 ones nothing would say how much of the weight it bears.
 
-Check: two fingers hold at most `2 mu N`. So the box follows the hand while `m (g + a) <= 2 mu N`, with `a` the
-acceleration of the hand, and each finger carries half of `m (g + a)`, less what the table bears. It slips
-where `2 mu N` falls to `m g`, from there with `z'' = 2 mu N/m - g` until its speed is zero again: integrals by
-hand.
+Check: two fingers hold at most `2 mu N`. So the box follows the hand while `m (g + a) <= 2 mu N`, with `a`
+the acceleration of the hand, and each finger carries half of `m (g + a)`, less what the table bears. It
+slips where `2 mu N` falls to `m g`, from there with `z'' = 2 mu N/m - g` until its speed is zero again:
+integrals by hand.
 """
 
 import numpy as np
@@ -19,18 +19,28 @@ import symbody as sb
 MASS, MU, GRIP = 0.5, 0.6, 6.0  # kg, -, N
 EDGES, TIP, G = (0.08, 0.08, 0.12), 0.012, 9.81  # m
 RISE, LIFTS = 0.15, (0.4, 1.2)  # m; s, when the hand begins and ends to rise
-LOOSE, SWING, RATE = 1.5, 2.8, 4 * np.pi  # s; N; rad/s: the grip is GRIP - SWING (1 - cos(RATE (t - LOOSE)))/2
+LOOSE, SWING, RATE = (
+    1.5,
+    2.8,
+    4 * np.pi,
+)  # s; N; rad/s: the grip is GRIP - SWING (1 - cos(RATE (t - LOOSE)))/2
 STIFFNESS = 2.5e3  # N/m, of the table under each corner
 SINKS = MASS * G / 4 / STIFFNESS
 TOLERANCE = 1e-6  # m, N
-LOOK = {"times": (0.2, 1.3, 2.0), "view": (0.4, -1.0, 0.2), "vectors": ["left", "right", "floor"], "ghosts": 0.3}
+LOOK = {
+    "times": (0.2, 1.3, 2.0),
+    "view": (0.4, -1.0, 0.2),
+    "vectors": ["left", "right", "floor"],
+    "ghosts": 0.3,
+}
 
 
 def model():
     """Return hand, fingers and box; z is up, the fingers move along x."""
     begin, end = LIFTS
     share = f"min(1, max(0, (t - {begin})/{end - begin}))"
-    grip = f"({GRIP} - if(t > {LOOSE} and t < {LOOSE} + {2 * np.pi / RATE}, {SWING / 2}*(1 - cos({RATE}*(t - {LOOSE}))), 0))"
+    swing = f"{SWING / 2}*(1 - cos({RATE}*(t - {LOOSE})))"
+    grip = f"{GRIP} - if(t > {LOOSE} and t < {LOOSE + 2 * np.pi / RATE}, {swing}, 0)"
     a, _, h = EDGES
     post = sb.Cylinder(0.018, 0.12, at=(0, 0, 0.07), color="dimgray")
     parts = [
@@ -49,8 +59,8 @@ def model():
                sb.Box((0.016, 0.03, 0.12), at=(-way * 0.006, 0, 0.05), color="steelblue")]  # fmt: skip
         parts += [
             sb.Body(finger, 0.05, frames={"top": sb.Frame((0, 0, 0.13))}, shapes=pad),
-            sb.Prismatic(f"slide {side}", "Hand.rail", f"{finger}.top", axis=(way, 0, 0), coordinate=f"{side}_x",
-                         force=sb.Drive(applied=grip, damping=1.0)),
+            sb.Prismatic(f"slide {side}", "Hand.rail", f"{finger}.top", axis=(way, 0, 0),
+                         coordinate=f"{side}_x", force=sb.Drive(applied=grip, damping=1.0)),
             sb.Contact(side, finger, "Box", [{"sphere": TIP}, {"box": EDGES}], normal="rigid",
                        friction=sb.Friction(mu=MU)),
         ]  # fmt: skip

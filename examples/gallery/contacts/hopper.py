@@ -1,14 +1,15 @@
 """Hopping leg.
 
-A body on a springy leg hops on the spot. Landing, the foot loses all its speed, as its contact with the floor
-is rigid and without rebound; what is lost is given back by a push along the leg, from where it is shortest to
-where it is as long as the spring. The foot leaves the floor where the stretched spring lifts its weight.
+A body on a springy leg hops on the spot. Landing, the foot loses all its speed, as its contact with the
+floor is rigid and without rebound; what is lost is given back by a push along the leg, from where it is
+shortest to where it is as long as the spring. The foot leaves the floor where the stretched spring lifts
+its weight.
 
-Check: on the floor the body swings about its rest with the frequency `sqrt(k/M)`; in the air body and foot swing
-against each other with `sqrt(k/M + k/m)` about the length of the spring, while their centre of mass falls
-freely. Of cosines and parabolas each hop is put together, from landing to shortest leg, to the end of the
-push, to take-off where `k (s - L) = m g`, to landing. A leg that is all of a machine: M. H. Raibert, Legged
-Robots That Balance (1986), chapter 2.
+Check: on the floor the body swings about its rest with the frequency `sqrt(k/M)`; in the air body and foot
+swing against each other with `sqrt(k/M + k/m)` about the length of the spring, while their centre of mass
+falls freely. Of cosines and parabolas each hop is put together, from landing to shortest leg, to the end of
+the push, to take-off where `k (s - L) = m g`, to landing. A leg that is all of a machine: M. H. Raibert,
+Legged Robots That Balance (1986), chapter 2.
 """
 
 import numpy as np

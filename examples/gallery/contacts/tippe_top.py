@@ -1,15 +1,15 @@
 """Tippe top.
 
-A ball whose centre of mass is below its middle is spun about its axis, nearly upright. Friction on the floor,
-which slows it down, also turns it over: in the end it spins with the centre of mass on top, in the same
-sense as seen from above, so that about its own axis it turns the other way. The ball touches the floor as a
-rigid contact; its friction is smooth.
+A ball whose centre of mass is below its middle is spun about its axis, nearly upright. Friction on the
+floor, which slows it down, also turns it over: in the end it spins with the centre of mass on top, in the
+same sense as seen from above, so that about its own axis it turns the other way. The ball touches the floor
+as a rigid contact; its friction is smooth.
 
 Check: whatever the friction, the product of angular momentum and the vector from the centre of mass to the
-contact, `L r`, is constant: J. H. Jellett, A Treatise on the Theory of Friction (1872), chapter 8. So the spin at
-the end is `(R - a)/(R + a)` of that at the start; without friction it would stay as it is and not turn over.
-Sizes as in S. Rauch-Wojciechowski, M. Skoldstam, T. Glad, Mathematical analysis of the tippe top, Regul.
-Chaotic Dyn. 10 (2005) 333.
+contact, `L r`, is constant: J. H. Jellett, A Treatise on the Theory of Friction (1872), chapter 8. So the
+spin at the end is `(R - a)/(R + a)` of that at the start; without friction it would stay as it is and not
+turn over. Sizes as in S. Rauch-Wojciechowski, M. Skoldstam, T. Glad, Mathematical analysis of the tippe
+top, Regul. Chaotic Dyn. 10 (2005) 333.
 """
 
 import numpy as np
