@@ -45,6 +45,8 @@ MOST_LINES: Final = 23  # of equations that the page shows
 PLAYED: Final[Mapping[str, str]] = {
     "bennett": "its redundant constraints depend on the configuration",
     "block_and_tackle": "the blocks would collide",
+    "cam_lift_off": "the cam turns faster without end",
+    "clearance": "two corners strike within a nanosecond, which takes small tolerances",
     "cycloid_drive": "its two pins are redundant",
     "geneva": "its constraint changes with the phase",
     "hill_muscle": "the elbow would turn over",
