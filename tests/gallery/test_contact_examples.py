@@ -61,7 +61,7 @@ def test_a_slider_with_clearance_flies_as_by_hand_and_loses_energy() -> None:
         return float(module.matrices(values[:3])[1].min())
 
     strikes.terminal = True  # type: ignore[attr-defined]
-    first = [0, 0, 0, *module.SPEEDS, 0]
+    first = [0, 0, module.TILT, *module.SPEEDS, 0]
     flight: Any = solve_ivp(rates, (0, 0.01), first, method="DOP853", rtol=1e-12, atol=1e-14, events=strikes)
     assert run.events[0].t == pytest.approx(flight.t[-1], abs=1e-10)
     before = run.at(run.events[0].t - 1e-9)

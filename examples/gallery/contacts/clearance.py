@@ -2,7 +2,8 @@
 
 The slider of an engine has a millimetre of play in its guide: it flies from wall to wall, strikes with one
 corner or with two, tilts, slides along a wall and leaves it again. Four rigid contacts, a corner each, with
-little friction. Nothing drives the crank; each impact takes some of its speed.
+little friction. Nothing drives the crank; each impact takes some of its speed. The slider begins with a
+slight tilt, without which two corners would always strike together.
 
 Check: at each impact the angular velocities jump by `M^-1 (W_n - mu s W_t) P`, with `M` the inertia of the
 three angles, `W_n` and `W_t` how gap and slip of the corners depend on them, and `s` the sign of the slip;
@@ -22,7 +23,7 @@ CRANK, ROD = 0.153, 0.306  # m
 HALF, PLAY = (0.05, 0.025), 0.001  # m, of the slider; on each side of it
 MASSES, TURNS = (0.038, 0.038, 0.076), (7.4e-5, 5.9e-4, 2.7e-6)  # kg, kg m^2: crank, rod, slider
 E, MU, G = 0.4, 0.01, 9.81
-SPEEDS = (150.0, -75.0)  # rad/s, of crank and rod at the start
+SPEEDS, TILT = (150.0, -75.0), 0.005  # rad/s, of crank and rod at the start; rad, of the slider
 CORNERS = {"upper rear": (-1, 1), "upper front": (1, 1), "lower rear": (-1, -1), "lower front": (1, -1)}
 TOLERANCE = 1e-8  # rad/s
 LOOK = {"view": "front", "vectors": list(CORNERS)}
@@ -57,7 +58,7 @@ def model():
         for name in CORNERS
     ]  # fmt: skip
     walls = [sb.Box((0.46, 0.01, 0.04), at=(0.31, y * (wall + 0.005), 0), opacity=0.5) for y in (-1, 1)]
-    first = {"phi_dot": SPEEDS[0], "rod_dot": SPEEDS[1] - SPEEDS[0], "tilt_dot": -SPEEDS[1]}
+    first = {"tilt": TILT, "phi_dot": SPEEDS[0], "rod_dot": SPEEDS[1] - SPEEDS[0], "tilt_dot": -SPEEDS[1]}
     return sb.Model("clearance", parts, gravity=(0, -G, 0), ground=ground, ground_shapes=walls, initial=first)
 
 
