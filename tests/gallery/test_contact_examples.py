@@ -44,8 +44,8 @@ def test_a_tippe_top_ends_upside_down_with_the_spin_that_jellett_says() -> None:
 
 
 @pytest.mark.exhaustive
-def test_a_slider_with_clearance_flies_as_by_hand_and_loses_energy() -> None:
-    """The first flight by the equations of the three angles; later no gap is negative."""
+def test_a_slider_with_clearance_flies_as_by_hand_and_loses_energy_at_impacts() -> None:
+    """The first flight by the equations of the three angles; later no gap is negative, no impact adds energy."""
     module, run = module_of("clearance"), motion_of("clearance")
     m2, m3 = module.MASSES[1:]
 
@@ -71,4 +71,4 @@ def test_a_slider_with_clearance_flies_as_by_hand_and_loses_energy() -> None:
     for corner in module.CORNERS:
         assert run[f"gap {corner}"].min() > -1e-9
     energy = run["energy"]
-    assert energy[-1] < 0.95 * energy[0]
+    assert np.diff(energy).max() < 1e-8 * energy[0] and energy[-1] < 0.95 * energy[0]

@@ -269,6 +269,33 @@ def test_what_is_pressed_against_a_guided_body_holds_it(across: str, along: str)
     assert np.hypot(x, y) == pytest.approx(G, rel=1e-9) and pressed == pytest.approx(40, rel=1e-9)
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+def test_feet_whose_forces_end_together_let_go_together(mu: float, speed: float) -> None:
+    """A body on two feet, lifted by 20 t: off the floor at t = g/20, none of its feet pulls."""
+    body = sb.Body(
+        "B", mass=1, inertia=(0.1,) * 3, frames={"l": sb.Frame((-R, 0, -R)), "r": sb.Frame((R, 0, -R))}
+    )
+    friction = sb.Friction(mu=mu) if mu else None
+    parts = [
+        body,
+        sb.Planar("move", "ground", body, axis="y", coordinates=["z", "x", "turn"]),
+        *(
+            sb.Contact(n, "ground", f"B.{n}", ["plane", "point"], normal="rigid", friction=friction)
+            for n in "lr"
+        ),
+        sb.Force("lift", on="B", vector=[0, 0, "20*t"]),
+    ]
+    eqs = sb.form_equations(sb.Model("lifted", parts, gravity=(0, 0, -G)))
+    run = sb.simulate(eqs, 1.0, {"z": R, "x_dot": speed}, rtol=1e-10)
+    flies = 1 - G / 20
+    assert [event.t for event in run.events if event.name in ("l open", "r open")] == pytest.approx(
+        [G / 20] * 2
+    )
+    assert run["z"][-1] == pytest.approx(R + 20 * flies**3 / 6, abs=1e-9)
+    assert min(run[f"contact_force {n}"][2].min() for n in "lr") > -1e-9
+
+
 def test_what_a_rigid_contact_cannot_have_is_refused() -> None:
     for friction in (sb.Friction(mu=0.3, radius=0.1), sb.Friction(mu=0.3, mu_y=0.2)):
         with pytest.raises(sb.ModelError, match="contact.friction"):
