@@ -141,6 +141,7 @@ EXHIBITS: Final = (
     example("dc_motor_arm", "step"),
     example("quarter_car", "run"),
     example("four_legs", "run"),
+    example("quadruped", "run"),
     note("dynamics", lambda found: found["run"]),
     note("index_reduction", lambda found: found["kept"]),
     note("simulation", lambda found: found["run"]),

@@ -32,7 +32,12 @@ HERE: Final = Path(__file__).resolve().parent
 PICTURES: Final = HERE / "pictures" / "gallery"
 EXAMPLES: Final = HERE.parent / "examples"
 MECHANISMS: Final = sorted(EXAMPLES.glob("gallery/*/*.py"))
-HEADINGS: Final[Mapping[str, str]] = {"linkages": "Linkages", "drives": "Drives", "motions": "Motions"}
+HEADINGS: Final[Mapping[str, str]] = {
+    "linkages": "Linkages",
+    "drives": "Drives",
+    "motions": "Motions",
+    "contacts": "Contacts",
+}
 WIDTH: Final = 100  # of lines of equations, on whatever screen
 LETTERS: Final = 62  # of a typeset row
 MOST_LINES: Final = 23  # of equations that the page shows
@@ -40,6 +45,8 @@ MOST_LINES: Final = 23  # of equations that the page shows
 PLAYED: Final[Mapping[str, str]] = {
     "bennett": "its redundant constraints depend on the configuration",
     "block_and_tackle": "the blocks would collide",
+    "cam_lift_off": "the cam turns faster without end",
+    "clearance": "two corners strike within a nanosecond, which takes small tolerances",
     "cycloid_drive": "its two pins are redundant",
     "geneva": "its constraint changes with the phase",
     "hill_muscle": "the elbow would turn over",
@@ -184,7 +191,8 @@ def write_motion_page(path: Path, page: Path) -> None:
     look, title = entry["LOOK"], title_and_text(path)[0]
     view: Any = look.get("view", "auto")  # pages know names of views alone
     view = view if isinstance(view, str) else "isometric"
-    sb.animate(shown, page, live=live, title=title, traces=look.get("traces", ()), view=view)
+    drawn = {"traces": look.get("traces", ()), "vectors": look.get("vectors")}
+    sb.animate(shown, page, live=live, title=title, view=view, **drawn)
 
 
 def main() -> None:

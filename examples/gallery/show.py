@@ -33,7 +33,8 @@ def main():
     shown = sb.form_equations(entry["model"]()) if words.live else run
     view = entry["LOOK"].get("view", "auto")
     view = view if isinstance(view, str) else "isometric"
-    sb.animate(shown, page, live=words.live, traces=entry["LOOK"].get("traces", ()), view=view)
+    drawn = {"traces": entry["LOOK"].get("traces", ()), "vectors": entry["LOOK"].get("vectors")}
+    sb.animate(shown, page, live=words.live, view=view, **drawn)
     print(page.resolve())
     if words.open:
         import webbrowser

@@ -62,8 +62,14 @@ SIZES = {
     "stick_slip": "STATIC",
     "tumbling": "OFF",
     "walker": "ANGLE",
+    "cam_lift_off": "OFF",
+    "clearance": "E",
+    "dropped_chair": "DEPTH",
+    "gripper": "MU",
+    "hopper": "STIFFNESS",
+    "tippe_top": "SPIN",
 }
-FAST = {"crank_rocker", "planetary_gear", "stick_slip"}
+FAST = {"crank_rocker", "planetary_gear", "stick_slip", "cam_lift_off"}
 NAMES = [name if name in FAST else pytest.param(name, marks=pytest.mark.exhaustive) for name in sorted(SIZES)]
 
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+
+
+from collections.abc import Callable
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -243,6 +247,57 @@ def test_random_balls_keep_the_laws_of_contacts(seed: int) -> None:
         assert force[2].min() > -1e-6
         assert (np.hypot(force[0], force[1]) - mu * force[2]).max() <= 1e-6 * (1 + np.abs(force).max())
         assert np.abs(force[2] * np.maximum(gap, 0.0)).max() < 1e-6 * (1 + force[2].max())
+
+
+@pytest.mark.parametrize(("across", "along"), list(permutations("xyz", 2)))
+def test_what_is_pressed_against_a_guided_body_holds_it(across: str, along: str) -> None:
+    """With 9.81 N of friction, for each direction of the normal: its axes are others where x is along it."""
+    bodies = [sb.Body("Guided", mass=1), sb.Body("Presses", mass=0.05)]
+    parts = [
+        *bodies,
+        sb.Prismatic("guide", "ground", bodies[0], axis=along, coordinate="q"),
+        sb.Prismatic("press", "ground", bodies[1], axis=across, coordinate="p", force=sb.Drive(applied="40")),
+        sb.Contact("touch", bodies[1], bodies[0], ["point", {"sphere": R}], normal="rigid",
+                   friction=sb.Friction(mu=0.6)),
+    ]  # fmt: skip
+    weight = tuple(-G * float(axis == along) for axis in "xyz")
+    run = sb.simulate(
+        sb.form_equations(sb.Model("pressed", parts, gravity=weight, initial={"p": -R})), 1.0, rtol=1e-9
+    )
+    assert [(change.name, change.mode) for change in run.modes] == [
+        ("touch friction", "sticks"),
+        ("touch", "closed"),
+    ]
+    assert run["q"] == pytest.approx(0, abs=1e-12)
+    x, y, pressed = run["contact_force touch"]
+    assert np.hypot(x, y) == pytest.approx(G, rel=1e-9) and pressed == pytest.approx(40, rel=1e-9)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+def test_feet_whose_forces_end_together_let_go_together(mu: float, speed: float) -> None:
+    """A body on two feet, lifted by 20 t: off the floor at t = g/20, none of its feet pulls."""
+    body = sb.Body(
+        "B", mass=1, inertia=(0.1,) * 3, frames={"l": sb.Frame((-R, 0, -R)), "r": sb.Frame((R, 0, -R))}
+    )
+    friction = sb.Friction(mu=mu) if mu else None
+    parts = [
+        body,
+        sb.Planar("move", "ground", body, axis="y", coordinates=["z", "x", "turn"]),
+        *(
+            sb.Contact(n, "ground", f"B.{n}", ["plane", "point"], normal="rigid", friction=friction)
+            for n in "lr"
+        ),
+        sb.Force("lift", on="B", vector=[0, 0, "20*t"]),
+    ]
+    eqs = sb.form_equations(sb.Model("lifted", parts, gravity=(0, 0, -G)))
+    run = sb.simulate(eqs, 1.0, {"z": R, "x_dot": speed}, rtol=1e-10)
+    flies = 1 - G / 20
+    assert [event.t for event in run.events if event.name in ("l open", "r open")] == pytest.approx(
+        [G / 20] * 2
+    )
+    assert run["z"][-1] == pytest.approx(R + 20 * flies**3 / 6, abs=1e-9)
+    assert min(run[f"contact_force {n}"][2].min() for n in "lr") > -1e-9
 
 
 def test_what_a_rigid_contact_cannot_have_is_refused() -> None:

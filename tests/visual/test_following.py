@@ -52,6 +52,18 @@ def test_the_followed_stays_in_the_picture(tmp_path: Path) -> None:
     assert min(shares) > 0.1
 
 
+def test_a_picture_of_several_times_shows_them_all(tmp_path: Path) -> None:
+    """What goes far is small in it, and as often as there are times: columns of colour with gaps between."""
+    picture = tmp_path / "a.png"
+    sb.save_animation(
+        thrown(20.0), picture, times=[0.0, 0.5, 1.0], ghosts=1.0, size=(800, 450), progress=False
+    )
+    with Image.open(picture) as image:
+        pixels = np.asarray(image.convert("RGB"), dtype=int)[60:-90]  # without signs of gravity, scale, axes
+    seen = (np.ptp(pixels, axis=2) > 40).any(axis=0)
+    assert (np.diff(seen.astype(int)) == 1).sum() == 3
+
+
 def test_a_motion_without_joints_in_a_plane_is_seen_against_it() -> None:
     body = sb.Body("disc", mass=1, inertia=(1, 1, 2))
     model = sb.Model("loose", [body], gravity=(0, -9.81, 0))

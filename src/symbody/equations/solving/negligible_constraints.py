@@ -17,6 +17,7 @@ from typing import Final
 from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.expr.expression import Expr, number
+from symbody.expr.opcodes import SELECT
 from symbody.expr.sequences.evaluate import evaluate_sequence
 from symbody.expr.sequences.sequence import Input, Roots, Sequence, build_sequence
 from symbody.spatial.vector import dot
@@ -87,7 +88,7 @@ def _slopes_and_squares(formed: EquationsOfMotion, row: ConstraintEquation) -> t
     """Return the slopes of a row, and for each the square of the motions whose difference it is part of."""
     kinematics, tree = formed.kinematics, formed.kinematics.tree
     link = formed.topology.link(row.element)
-    if link is None:  # written in coordinates, not in motions of frames
+    if link is None or _has_branches(formed, row):  # written in coordinates, not in motions of frames
         return [number(formed.graph, 1)], [number(formed.graph, 0)]
     start, end = link.start.full_name, link.end.full_name
     w, w_end = kinematics.angular_velocities[start], kinematics.angular_velocities[end]
@@ -116,6 +117,17 @@ def _slopes_and_squares(formed: EquationsOfMotion, row: ConstraintEquation) -> t
         slopes.append(slope)
         squares.append(square)
     return slopes, squares
+
+
+def _has_branches(formed: EquationsOfMotion, row: ConstraintEquation) -> bool:
+    """Return whether another formula holds at other positions: zero at a few of them says nothing of these.
+
+    The axes across the normal of a contact are such.
+    """
+    graph, places = formed.graph, {formed.graph.symbol(q) for q in formed.q}
+    nodes = graph.reachable(slope.index for slope in row.jacobian.values())
+    conditions = [graph.operands(node)[0] for node in nodes if graph.ops[node] == SELECT]
+    return not places.isdisjoint(graph.reachable(conditions))
 
 
 def input_places(formed: EquationsOfMotion) -> dict[int, Input]:

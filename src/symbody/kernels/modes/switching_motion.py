@@ -16,13 +16,14 @@ from symbody.kernels.block import (
     Run,
 )
 from symbody.kernels.events.event_interruptions import watch_again
-from symbody.kernels.events.event_location import add_zero, compute_values
+from symbody.kernels.events.event_location import TOUCHING, add_zero, compute_values
 from symbody.kernels.events.event_monitor import EventMonitor
 from symbody.kernels.features import IMPLICIT, SAMPLES
 from symbody.kernels.implicit.implicit_block import ImplicitStep
 from symbody.kernels.implicit.new_starts import go_on
 from symbody.kernels.language import INFINITY, Function, Reals, part
 from symbody.kernels.modes.end_of_shares import find_end_of_shares, shares_hold
+from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.kernels.modes.mode_state import (
     FUNCTION_FAULT,
     NO_MODES,
@@ -73,8 +74,11 @@ def forget_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
         event.largest = 0.0
 
 
-def note_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
-    """Take over from the search for events which modes have ended, and whether an action came before."""
+def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor) -> None:
+    """Take over from the search for events which modes have ended, and whether an action came before.
+
+    Where a gap opens, others whose effort has fallen to zero with it open, too: no event would tell that.
+    """
     for k in range(modes.count):
         event = monitor.events[modes.first_event + k]
         modes.elements[k].ended = 0.0
@@ -82,6 +86,18 @@ def note_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
             modes.elements[k].ended = 1.0
         if event.just_happened != 0.0:
             event.just_happened = 0.0
+    place = monitor.ended - modes.first_event - 1
+    if place >= 0 and place < modes.count:
+        if modes.elements[place].is_gap != 0.0 and modes.elements[place].mode == HOLDS:
+            compute_values(e, monitor, monitor.cut, monitor.after)
+            for k in range(modes.count):
+                other = modes.elements[k]
+                if other.is_gap != 0.0 and other.mode == HOLDS and other.shares == 0.0:
+                    if (
+                        monitor.values[modes.first_event + k]
+                        <= TOUCHING * monitor.events[modes.first_event + k].largest
+                    ):
+                        other.ended = 1.0
     monitor.ended = 0
     if monitor.has_acted != 0.0:
         forget_modes(modes)
@@ -107,7 +123,7 @@ def switch_at_cut(
 ) -> int:  # fmt: skip
     """Go on behind a cut in the modes that are decided there; return a code of `block`."""
     state = monitor.after
-    note_ends(modes, monitor)
+    note_ends(e, modes, monitor)
     if monitor.has_acted != 0.0:
         modes.culprit = find_overlap(d, modes, monitor.cut, state)
         if modes.culprit != 0:

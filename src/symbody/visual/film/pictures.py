@@ -147,7 +147,7 @@ def write_film(
     """
     suffix = path.suffix.lower()
     program = ffmpeg_program() if suffix in (".mp4", ".webm") else ""
-    studio = make_studio(scene, motion, look, 2.0, track=track)
+    studio = make_studio(scene, motion, look, 2.0, track=track, follows=True)
     frames = film_frames(studio, report)
     try:
         with _file_replacement(path) as draft:

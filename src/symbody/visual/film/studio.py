@@ -170,6 +170,8 @@ def make_studio(
     per_pixel: float,
     tone_width: float = 0.0,
     track: SceneMotion | None = None,
+    *,
+    follows: bool = False,
 ) -> Studio:
     """Return the studio that makes pictures of a motion.
 
@@ -181,6 +183,8 @@ def make_studio(
         Of tones on curved surfaces [samples]; 0: they are smooth, which files of regions cannot say.
     track : SceneMotion, optional
         The same motion at other times, for traces.
+    follows : bool
+        Whether the camera follows what goes far; a picture of several times shows all of them.
 
     Raises
     ------
@@ -193,7 +197,8 @@ def make_studio(
     size = _points(look)
     chosen = np.unique(np.linspace(0, len(motion.times) - 1, min(len(motion.times), 120)).astype(int))
     poses = [pose_at(motion, k) for k in chosen]
-    carried, followed = carried_extent(stage, poses)
+    carried, start = carried_extent(stage, poses)
+    followed = start if follows else None
     reach = np.concatenate([extent(stage, poses), *traces]) if followed is None else carried
     margin = min(_MARGIN, _SMALL_MARGIN * min(size))
     camera = fit_camera(scene, look.view, reach[np.isfinite(reach).all(axis=1)], size, margin)
