@@ -5,7 +5,7 @@ floor, which slows it down, also turns it over: in the end it spins with the cen
 same sense as seen from above, so that about its own axis it turns the other way. The ball touches the floor
 as a rigid contact; its friction is smooth.
 
-Check: whatever the friction, the product of angular momentum and the vector from the centre of mass to the
+Check: for any friction, the product of angular momentum and the vector from the centre of mass to the
 contact, `L r`, is constant: J. H. Jellett, A Treatise on the Theory of Friction (1872), chapter 8. So the
 spin at the end is `(R - a)/(R + a)` of that at the start; without friction it would stay as it is and not
 turn over. Sizes as in S. Rauch-Wojciechowski, M. Skoldstam, T. Glad, Mathematical analysis of the tippe
