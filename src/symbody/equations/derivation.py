@@ -8,6 +8,7 @@ from typing import Final
 
 from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
+from symbody.equations.contacts.bristles import bristle_values
 from symbody.equations.contacts.contact_frames import add_contact_frames
 from symbody.equations.contacts.rigid_contacts import contact_friction
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
@@ -92,6 +93,7 @@ def derive(
     names, variables = _variables(topology, names.with_values(coupled.values), roles)
     begin("kinematics")
     names, kinematics = _kinematics(topology, names, roles, variables, formulation)
+    names = names.with_values(bristle_values(names, kinematics, topology.model))
     begin("constraints")
     constraints = form_constraints(topology, names, kinematics, roles, coupled)
     rows = constraints.rows
