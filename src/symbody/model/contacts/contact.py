@@ -149,7 +149,7 @@ class Contact(Connection):
             )
         if not friction.is_smooth and not odd and not friction.is_none:
             what = "v0 is missing"
-            why = "friction of a compliant contact is a smooth function of the slip, or deflects before it slips"
+            why = "friction of a compliant contact is a function of the slip, or deflects before it slips"
             fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength; or deflection"
             arguments.add("contact.friction", "friction.v0", what, why, fix)
         is_complete = (friction.mu_static is None) == (friction.stribeck is None)

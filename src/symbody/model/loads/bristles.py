@@ -5,9 +5,9 @@ slips, and g(v), the share that is left of the static coefficient,
 
     w' = v/deflection - p w,    p = alpha(|w|/g) max(0, v . w)/(|w| g deflection),
 
-where alpha rises from 0 at `breakaway` to 1 as half a period of a sine (Dupont, Hayward, Armstrong and Altpeter
-2002). So nothing slips below `breakaway`, and what rests does not creep. Across two directions only what
-stretches the deflection makes it slip: it is dragged along like a trailer. Without a threshold it is
+where alpha rises from 0 at `breakaway` to 1 as half a period of a sine (Dupont, Hayward, Armstrong and
+Altpeter 2002). So nothing slips below `breakaway`, and what rests does not creep. Across two directions only
+what stretches the deflection makes it slip: it is dragged along like a trailer. Without a threshold it is
 ``p = |v|/(g deflection)``, LuGre's law (Canudas de Wit, Olsson, Astrom and Lischinsky 1995).
 
 The force is its greatest one times ``-(w + T w'/sqrt(1 + (T v/deflection)^2))``: a spring and a damper, which
@@ -90,5 +90,6 @@ def _flow(friction: Friction, states: list[str], slips: list[str], limit: str, l
     size = f"sqrt(max({squares[0]}, {least}))"
     begun = f"sin(pi/2*min(1, ({size}/{limit} - {threshold})/(1 - {threshold})))^2"
     stretch = " + ".join(f"{state}*{slip}" for state, slip in zip(states, slips, strict=True))
-    law = f"{begun}*max(0, {stretch})/({size}*{limit}*{length})"
+    # below the threshold not even a corner is left, so that linear equations hold to both sides
+    law = f"{begun}*max(0, if({squares[0]} < {least}, -1, {stretch}))/({size}*{limit}*{length})"
     return law if is_known else f"if({threshold} > 0, {law}, {slipping})"

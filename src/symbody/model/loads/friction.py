@@ -25,7 +25,8 @@ _SCALES: Final = {
     for name in ("radius", "v0", "stribeck", "deflection", "damping_time")
 }  # fmt: skip
 _BREAKAWAY: Final = Domain(
-    "model.friction_scale", "breakaway is {value}", "it is the share of its strength below which nothing slips",
+    "model.friction_scale", "breakaway is {value}",
+    "it is the share of the strength below which nothing slips",
     "give a number from 0 (LuGre's law, which creeps) to 0.99, or leave breakaway out", 0.0, most=0.99,
 )  # fmt: skip
 _DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES, "breakaway": _BREAKAWAY})
