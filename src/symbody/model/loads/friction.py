@@ -119,6 +119,12 @@ class Friction(Declared):
         if self.v0 is not None:
             what, why = "deflection and v0 are given", "with v0 friction is a function of the slip alone"
             arguments.add("model.mixed_friction", "deflection", what, why, "leave one of them out")
+        check = NumericChecks({})
+        for name in ("deflection", "damping_time", "breakaway"):
+            if (formula := getattr(self, name)) is not None:
+                _DOMAINS[name](check, formula, name)
+        for problem in check.problems:
+            arguments.add(problem.code, problem.where, problem.what, problem.why, problem.fix)
         word = "static" if self.force is not None else "mu_static"
         if (getattr(self, word) is None) != (self.stribeck is None):
             what = f"{word} and stribeck belong together"
