@@ -219,7 +219,9 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)
     sizes = np.concatenate([evaluator.speed_sizes, _light_sizes(evaluator)])
-    return StaticBalance(evaluator, function, plan.unknowns, sizes, scales, plan.timed, plan.curved, plan.rubs)
+    return StaticBalance(
+        evaluator, function, plan.unknowns, sizes, scales, plan.timed, plan.curved, plan.rubs
+    )
 
 
 def _light_sizes(evaluator: ConstraintEvaluator) -> Floats:

@@ -142,7 +142,7 @@ def bristle_entries(element: Joint | Contact, label: str) -> Iterator[tuple[str,
         yield from _signal_names(signal, f"{label}, name")
     for bristle in element.bristles if isinstance(element, Contact) else ():
         for word in BRISTLES_READ:
-            yield f"{bristle}_{word}", Meaning("signal", f"{label}, name")
+            yield f"{bristle}_{word}", Meaning(f"{word} of bristles", f"{label}, name")
 
 
 def _signal_names(signal: Signal, where: str) -> Iterator[tuple[str, Meaning]]:

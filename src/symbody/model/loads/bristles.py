@@ -12,7 +12,7 @@ what stretches the deflection makes it slip: it is dragged along like a trailer.
 
 The force is its greatest one times ``-(w + T w'/sqrt(1 + (T v/deflection)^2))``: a spring and a damper, which
 fades as the slip grows, as it must if it is to lose energy at all speeds (Olsson et al. 1998). That both are
-proportional to the force along the normal is measured of rough surfaces (Berthoud and Baumberger 1998).
+proportional to the force along the normal is so of rough surfaces (Campana, Persson and Muser 2011).
 """
 
 from __future__ import annotations
