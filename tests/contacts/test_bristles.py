@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 import math
 import shutil
-import subprocess
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,8 @@ from scipy.integrate import solve_ivp
 import symbody as sb
 from symbody.formats.native import model_from_toml, model_to_toml
 from tests.contacts.pairs import Floats
-from tests.fmu.importer import KINDS, simulate
+from tests.laws.motion_consumers import WAYS, Question, outcome
+from tests.laws.motion_fragments import Fragment
 
 G = 9.81
 M = 2.0
@@ -347,8 +348,10 @@ def test_a_shaft_breaks_away_where_its_bearing_lets_it() -> None:
             assert run["th"][-1] == pytest.approx(0.9e-3, rel=1e-6)
 
 
-def shaken() -> sb.EquationSet:
-    return pushed(sb.Friction(mu="0.3 + 0*b", deflection=D, breakaway="b"), "9*sin(4*t)", "2*cos(4*t)")
+@cache
+def shaken(deflection: float = D) -> sb.EquationSet:
+    friction = sb.Friction(mu=0.3, deflection=deflection, breakaway="b")
+    return pushed(friction, "9*sin(4*t)", "2*cos(4*t)")
 
 
 def test_sweeps_and_steps_have_the_motion() -> None:
@@ -365,30 +368,32 @@ def test_sweeps_and_steps_have_the_motion() -> None:
         assert stepper.state()[name] == pytest.approx(fine[name][-1], abs=1e-4 if "b" in name else 1e-6)
 
 
-def test_a_program_has_the_motion(tmp_path: Path) -> None:
-    compiler = shutil.which("cc")
-    if compiler is None:
-        pytest.skip("a program needs cc")
-    eqs = shaken()
-    (tmp_path / "shake.c").write_text(sb.generate_simulation(eqs, 1.0, "c", times=[0, 1], **FINE))
-    subprocess.run([compiler, "-O1", "shake.c", "-o", "shake", "-lm"], cwd=tmp_path, check=True)
-    printed = subprocess.run([tmp_path / "shake"], capture_output=True, text=True, check=True).stdout
-    rows = np.genfromtxt(io.StringIO(printed), delimiter=",", names=True)
-    run = sb.simulate(eqs, 1.0, times=[0, 1], **FINE)
-    for name in ("x", "y", "floor_bristle_x", "floor_bristle_y"):
-        assert rows[name][-1] == pytest.approx(run[name][-1], abs=1e-8)
+SIZES = {"x": 0.1, "y": 0.1, "x_dot": 1.0, "floor_bristle_x": 10.0, "floor_bristle_y": 10.0}
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-@pytest.mark.parametrize("kind", KINDS)
-def test_an_fmu_has_the_motion(kind: str, tmp_path: Path) -> None:
-    eqs = shaken()
-    path = sb.save_fmu(eqs, tmp_path / "shake.fmu").path
-    run = sb.simulate(eqs, 1.0, times=np.linspace(0, 1, 21), **FINE)
-    names = ["x", "y", "floor_bristle_x"]
-    seen = simulate(path, kind, 1.0, names, 1e-9)
-    for name, values in zip(names, seen, strict=True):
-        np.testing.assert_allclose(values, run[name], atol=1e-5 if "b" in name else 1e-7)
+@dataclass(frozen=True)
+class Shaken(Question):
+    """The scene of above, with a deflection that steps of fixed length can follow."""
+
+    @property
+    def eqs(self) -> sb.EquationSet:
+        return shaken(1e-3)
+
+
+def shaken_reference(t: Floats) -> dict[str, Floats]:
+    run = sb.simulate(shaken(1e-3), float(t[-1]), times=np.unique(t), rtol=1e-12, atol=1e-14)
+    return {name: np.interp(t, run.t, run[name]) for name in SIZES}
+
+
+@pytest.mark.skipif(shutil.which("cc") is None or shutil.which("node") is None, reason="needs cc and Node")
+@pytest.mark.parametrize("way", WAYS)
+def test_everything_that_computes_motions_has_bristles(way: str, tmp_path: Path) -> None:
+    """Programs, pages, FMUs, sweeps, lanes: each to its own tolerance.
+
+    Bristles pass errors of speed on 1/d times as large, and forget them in d/v: 10 is their size for that.
+    """
+    scene = Fragment("shaken", (), shaken_reference, SIZES, initial={"x": 0.0}, freely="x")
+    assert outcome(Shaken((scene,), tmp_path, None), way) == "right"
 
 
 def test_a_file_has_the_words_of_bristles() -> None:

@@ -344,8 +344,8 @@ class Joint(Connection):
         """The states of the bristles of its friction."""
         if self.friction is None or not self.friction.has_bristles:
             return ()
-        slips = {"": f"{self.coordinates[0]}_dot"}
-        return tuple(bristle_signals(self.friction, f"{make_symbol(self.name)}_bristle", slips))
+        slips = (("", f"{self.coordinates[0]}_dot"),)
+        return bristle_signals(self.friction, f"{make_symbol(self.name)}_bristle", slips)
 
     def coordinate_path(self, word: str, coordinate: str) -> str:
         """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""

@@ -112,7 +112,7 @@ class Contact(Connection):
         for label in self.bristles:
             x, y, gap = (f"{label}_{word}" for word in BRISTLES_READ)
             assert self.friction is not None
-            signals += bristle_signals(self.friction, label, {"_x": x, "_y": y}, gap)
+            signals += bristle_signals(self.friction, label, (("_x", x), ("_y", y)), gap)
         return tuple(signals)
 
     @property

@@ -17,7 +17,7 @@ proportional to the force along the normal is so of rough surfaces (Campana, Per
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import lru_cache
 from typing import Final
 
 from symbody.model.loads.friction import Friction
@@ -31,15 +31,18 @@ _DAMPING_TIME: Final = "2*sqrt({}/9.81)"
 _STILL: Final = "1e-30"
 
 
-def bristle_signals(friction: Friction, label: str, slips: Mapping[str, str], gap: str = "") -> list[Signal]:
+@lru_cache(maxsize=1024)  # a model looks at its signals several times
+def bristle_signals(
+    friction: Friction, label: str, slips: tuple[tuple[str, str], ...], gap: str = ""
+) -> tuple[Signal, ...]:
     """Return the states of bristles, with what their rates and their force are made of.
 
     Parameters
     ----------
     label : str
         With which all names begin.
-    slips : mapping of str to str
-        The name of the slip along each direction, by what ends the names along it: ``"_x"``.
+    slips : tuple of (str, str)
+        For each direction what ends the names along it, ``"_x"``, and the name of the slip.
     gap : str
         The name of what is negative while surfaces touch; without one they always do. When they part the
         bristles spring back in the time of their damper.
@@ -49,24 +52,24 @@ def bristle_signals(friction: Friction, label: str, slips: Mapping[str, str], ga
     time = _DAMPING_TIME.format(length)
     if friction.damping_time is not None:
         time = in_brackets(friction.damping_time)
-    states = {end: f"{label}{end}" for end in slips}
-    flow, limit, square = f"{label}_flow", "1", " + ".join(f"{slip}^2" for slip in slips.values())
+    states = {end: f"{label}{end}" for end, _ in slips}
+    flow, limit, square = f"{label}_flow", "1", " + ".join(f"{slip}^2" for _, slip in slips)
     values = []
     if friction.stribeck is not None:
         limit = f"{label}_limit"
         values.append(Signal(limit, _limit(friction, square)))
-    rate = _flow(friction, [*states.values()], [*slips.values()], limit, length)
+    rate = _flow(friction, [*states.values()], [slip for _, slip in slips], limit, length)
     values.append(Signal(flow, f"if({gap} < 0, {rate}, 1/{time})" if gap else rate))
-    rates = {end: f"{slips[end]}/{length} - {flow}*{state}" for end, state in states.items()}
+    rates = {end: f"{slip}/{length} - {flow}*{states[end]}" for end, slip in slips}
     fading = f"sqrt(1 + ({time}/{length})^2*({square}))"
-    return [
+    return (
         *(Signal(state, rate=rates[end]) for end, state in states.items()),
         *values,
         *(
             Signal(f"{label}_share{end}", f"{state} + {time}*({rates[end]})/{fading}")
             for end, state in states.items()
         ),
-    ]
+    )
 
 
 def _limit(friction: Friction, square: str) -> str:
