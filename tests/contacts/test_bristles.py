@@ -16,7 +16,9 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from symbody.formats.native import model_from_toml, model_to_toml
+from tests.codegen.test_portable import check_bits, random_points
 from tests.contacts.pairs import Floats
+from tests.formulations import FORMULATIONS
 from tests.laws.motion_consumers import WAYS, Question, outcome
 from tests.laws.motion_fragments import Fragment
 
@@ -403,6 +405,49 @@ def test_a_file_has_the_words_of_bristles() -> None:
     text = model_to_toml(eqs.model)
     assert "mu = 0.3, mu_static = 0.4, stribeck = 0.01, deflection = 0.0001" in text.replace("'", "")
     assert model_from_toml(text) == eqs.model
+
+
+def test_parts_rename_bristles() -> None:
+    """Formulas of a part that read a deflection read its own."""
+    foot = sb.Body("Foot", mass=M)
+    touch = sb.Contact(
+        "touch", "ground", foot, ["plane", "point"], normal=FLOOR, friction=sb.Friction(mu=0.5, deflection=D)
+    )
+    part = sb.Model("foot", [sb.Cartesian("J", "ground", foot, coordinates=["x", "y", "z"]), touch,
+                             sb.Signal("twice", "2*touch_bristle_x")])  # fmt: skip
+    whole = sb.Model("two", [sb.Include(part, "L"), sb.Include(part, "R")])
+    eqs = sb.form_equations(whole)
+    assert eqs.signal_state_names == tuple(f"{side}_touch_bristle_{end}" for side in "LR" for end in "xy")
+    assert sb.compile(eqs, "R_twice")(0.0, np.zeros(6), np.zeros(6), s=[1, 2, 3, 4]) == 6
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_all_formulations_have_the_same_bristles(rigid: bool) -> None:
+    """On a ball at an arm, whose slip and gap depend on five angles, and whose force passes through joints."""
+    ball = sb.Body("Ball", mass=M, inertia=(0.01,) * 3)
+    arm = sb.Body("Arm", mass=1, inertia=(0.1, 0.1, 0.1), frames={"tip": sb.Frame(at=(0.5, 0, 0))})
+    friction = sb.Friction(mu=0.3, mu_static=0.4, stribeck=0.1, deflection=D, breakaway="b")
+    parts = [
+        sb.Universal("shoulder", "ground", arm, axes=("z", "y"), coordinates=["a", "b1"]),
+        sb.Spherical("wrist", "Arm.tip", ball, angles="xyz", coordinates=["c", "d", "e"]),
+        sb.Contact("floor", "ground", ball, ["plane", {"sphere": 0.1}], normal="rigid" if rigid else FLOOR,
+                   friction=friction),
+    ]  # fmt: skip
+    model = sb.Model("arm", parts, (0, 0, -G), parameters={"b": 0.6})
+    values = []
+    for formulation in FORMULATIONS:
+        eqs = sb.form_equations(model, formulation)
+        f = sb.compile(eqs, ["udot", "signal_rates", "contact_force floor", "power"])
+        found = f(0.0, [0.3, -0.01, 0.1, 0.2, 0.3], [0.3, 0.2, 0.1, -0.2, 0.4], s=[0.8, 0.3])
+        values.append(np.concatenate([np.ravel(each) for each in found]))
+    for other in values[1:]:
+        np.testing.assert_allclose(other, values[0], rtol=1e-9, atol=1e-9 * np.abs(values[0]).max())
+    assert values[0][5:7].any() and values[0][-1] != 0
+
+
+def test_code_has_the_same_bits_in_all_languages(tmp_path: Path) -> None:
+    f = sb.compile(shaken(), ["udot", "signal_rates", "contact_force floor"], portable=True)
+    check_bits(f, random_points(f, 20, 1), tmp_path)
 
 
 def test_names_of_bristles_are_symbols() -> None:

@@ -343,8 +343,10 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
 
 
 def _gap_notes(model: Model) -> Iterator[str]:
-    """Yield notes on what holds in some modes alone."""
+    """Yield notes on what holds in some modes alone, and on friction that is not in all of them."""
     for part in model.constraints:
+        if isinstance(part, Contact) and part.friction is not None and part.friction.is_smooth:
+            yield f"contact {part.name}: friction with v0 or deflection takes no part in impacts"
         holds = ""
         if isinstance(part, Distance) and part.rope:
             holds = "the taut rope; simulate switches when the rope goes slack"
