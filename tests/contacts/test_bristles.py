@@ -240,8 +240,9 @@ def test_sticking_and_slipping_are_as_published(breakaway: float) -> None:
     assert np.ptp(run["x"]) > 0.01 and abs(run.energy_drift) < 1e-9
 
 
+@pytest.mark.parametrize("rigid", [False, True])
 @pytest.mark.parametrize("breakaway", [0, 0.7])
-def test_across_two_directions_the_deflection_is_dragged(breakaway: float) -> None:
+def test_across_two_directions_the_deflection_is_dragged(breakaway: float, rigid: bool) -> None:
     """w' = v/d - alpha max(0, v.w)/|w| w/d, without a threshold v/d - |v| w/d, for a force that turns."""
     friction = sb.Friction(mu=0.4, mu_y=0.25, deflection=D, breakaway=breakaway)
     times = [0, 0.5, 1.0]
@@ -448,6 +449,15 @@ def test_all_formulations_have_the_same_bristles(rigid: bool) -> None:
 def test_code_has_the_same_bits_in_all_languages(tmp_path: Path) -> None:
     f = sb.compile(shaken(), ["udot", "signal_rates", "contact_force floor"], portable=True)
     check_bits(f, random_points(f, 20, 1), tmp_path)
+
+
+def test_tolerances_of_bristles_are_those_of_shares() -> None:
+    """However small they are at first, as what rounding leaves in an equilibrium."""
+    eqs = shaken()
+    tiny, none = ({"floor_bristle_x": 0.3, "floor_bristle_y": y} for y in (1e-17, 0))
+    runs = [sb.simulate(eqs, 0.5, start, times=[0, 0.5]) for start in (tiny, none)]
+    for name in eqs.state_names:
+        assert runs[0][name][-1] == pytest.approx(runs[1][name][-1], rel=1e-12, abs=1e-14)
 
 
 def test_names_of_bristles_are_symbols() -> None:
