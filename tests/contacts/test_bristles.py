@@ -302,7 +302,7 @@ def test_bristles_spring_back_when_the_shapes_part() -> None:
     assert not run["contact_force floor"].any()
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", [False, pytest.param(True, marks=pytest.mark.exhaustive)])
 def test_a_box_stands_on_the_bristles_of_its_corners(rigid: bool) -> None:
     """Eight points have states in both directions; standing askew on a slope it stays for 1000 s."""
     box = sb.Body("Box", mass=M, inertia=(0.02,) * 3)
@@ -371,6 +371,10 @@ def test_sweeps_and_steps_have_the_motion() -> None:
         assert stepper.state()[name] == pytest.approx(fine[name][-1], abs=1e-4 if "b" in name else 1e-6)
 
 
+OFTEN = (
+    "simulate", "simulate Stiff", "simulate GeneralizedAlpha", "Stepper", "LaneStepper", "sweep", "C", "live page",
+    "FMU co-simulation",
+)  # fmt: skip
 SIZES = {"x": 0.1, "y": 0.1, "x_dot": 1.0, "floor_bristle_x": 10.0, "floor_bristle_y": 10.0}
 
 
@@ -389,7 +393,9 @@ def shaken_reference(t: Floats) -> dict[str, Floats]:
 
 
 @pytest.mark.skipif(shutil.which("cc") is None or shutil.which("node") is None, reason="needs cc and Node")
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    "way", [way if way in OFTEN else pytest.param(way, marks=pytest.mark.exhaustive) for way in WAYS]
+)
 def test_everything_that_computes_motions_has_bristles(way: str, tmp_path: Path) -> None:
     """Programs, pages, FMUs, sweeps, lanes: each to its own tolerance.
 
