@@ -68,11 +68,11 @@ def signal_sizes(
         is_open = ~np.isfinite(inflow) | ~np.isfinite(matrix).all(axis=2)
         matrix[is_open], inflow[is_open] = 0.0, 0.0
         found = _responses(matrix, inflow, is_open, times)
-        sizes = np.where((found > 0.0) & np.isfinite(found), np.exp2(np.ceil(np.log2(found))), math.nan)
+        driven = np.where((found > 0.0) & np.isfinite(found), np.exp2(np.ceil(np.log2(found))), math.nan)
     loads = (element for element in eqs.model.elements if element.kind not in ("signal", "block"))
     bristles = {signal.name for element in loads for signal in element.signals}
-    sizes[:, [name in bristles for name in names]] = 1.0
-    return sizes
+    driven[:, [name in bristles for name in names]] = 1.0
+    return driven
 
 
 def _responses(matrix: Floats, inflow: Floats, is_open: NDArray[np.bool_], times: Floats) -> Floats:

@@ -10,9 +10,9 @@ Altpeter 2002). So nothing slips below `breakaway`, and what rests does not cree
 what stretches the deflection makes it slip: it is dragged along like a trailer. Without a threshold it is
 ``p = |v|/(g deflection)``, LuGre's law (Canudas de Wit, Olsson, Astrom and Lischinsky 1995).
 
-The force is its limit at rest times ``-(w + T w'/sqrt(1 + (T v/deflection)^2))``: a spring and a damper, which
-fades as the slip grows, as it must if it is to lose energy at all speeds (Olsson et al. 1998). That both are
-proportional to the force along the normal is so of rough surfaces (Campana, Persson and Muser 2011).
+The force is its limit at rest times ``-(w + T w'/sqrt(1 + (T v/deflection)^2))``: a spring and a damper,
+which fades as the slip grows, as it must if it is to lose energy at all speeds (Olsson et al. 1998). That
+both are proportional to the force along the normal is so of rough surfaces (Campana, Persson and Muser 2011).
 """
 
 from __future__ import annotations
