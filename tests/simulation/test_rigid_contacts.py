@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-
-
-from collections.abc import Callable
 from itertools import permutations
 from typing import Any
 

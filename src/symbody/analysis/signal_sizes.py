@@ -4,7 +4,7 @@ A state of a filter, a delay or a controller is as large as its input makes it. 
 ``s' = A s + B z``: A and B have the numbers of the model, z are coordinates, speeds and outputs, whose sizes
 follow from their units. The size of a state is the most that A makes of B z at any frequency, within the time
 of the mechanism. A rate that is not linear in the states leaves its size open, and so does an input, because
-the model does not say how large it is.
+the model does not say how large it is. Bristles of friction are shares: their size is 1.
 """
 
 from __future__ import annotations
@@ -68,7 +68,11 @@ def signal_sizes(
         is_open = ~np.isfinite(inflow) | ~np.isfinite(matrix).all(axis=2)
         matrix[is_open], inflow[is_open] = 0.0, 0.0
         found = _responses(matrix, inflow, is_open, times)
-        return np.where((found > 0.0) & np.isfinite(found), np.exp2(np.ceil(np.log2(found))), math.nan)
+        driven = np.where((found > 0.0) & np.isfinite(found), np.exp2(np.ceil(np.log2(found))), math.nan)
+    loads = (element for element in eqs.model.elements if element.kind not in ("signal", "block"))
+    bristles = {signal.name for element in loads for signal in element.signals}
+    driven[:, [name in bristles for name in names]] = 1.0
+    return driven
 
 
 def _responses(matrix: Floats, inflow: Floats, is_open: NDArray[np.bool_], times: Floats) -> Floats:

@@ -8,6 +8,7 @@ from typing import Final
 
 from symbody.equations.constraints.loop_closure import assembly_mode
 from symbody.equations.constraints.mechanism_constraints import form_constraints
+from symbody.equations.contacts.bristles import bristle_values
 from symbody.equations.contacts.contact_frames import add_contact_frames
 from symbody.equations.contacts.rigid_contacts import contact_friction
 from symbody.equations.dynamics.inertia import Rotor, form_inertia
@@ -92,6 +93,7 @@ def derive(
     names, variables = _variables(topology, names.with_values(coupled.values), roles)
     begin("kinematics")
     names, kinematics = _kinematics(topology, names, roles, variables, formulation)
+    names = names.with_values(bristle_values(names, kinematics, topology.model))
     begin("constraints")
     constraints = form_constraints(topology, names, kinematics, roles, coupled)
     rows = constraints.rows
@@ -341,8 +343,10 @@ def _cut_coupling_notes(roles: Iterable[JointRole]) -> tuple[str, ...]:
 
 
 def _gap_notes(model: Model) -> Iterator[str]:
-    """Yield notes on what holds in some modes alone."""
+    """Yield notes on what holds in some modes alone, and on friction that is not in all of them."""
     for part in model.constraints:
+        if isinstance(part, Contact) and part.friction is not None and part.friction.is_smooth:
+            yield f"contact {part.name}: friction with v0 or deflection takes no part in impacts"
         holds = ""
         if isinstance(part, Distance) and part.rope:
             holds = "the taut rope; simulate switches when the rope goes slack"

@@ -53,14 +53,15 @@ def substitute_values(names: Names, model: Model, outputs: Mapping[str, Expr]) -
 def signals_of_loads(model: Model) -> list[str]:
     """Return the signals that loads read themselves, in the order in which they are read."""
     signals = {signal.name for signal in model.signals}
-    read = (
+    loads = [element for element in model.elements if element.kind not in ("signal", "block")]
+    read = [
         name
-        for element in model.elements
-        if element.kind not in ("signal", "block")
+        for element in loads
         for site in element.formula_sites()
         if site.scope is Scope.LOAD
         for name in site.formula.names
-    )
+    ]
+    read += [signal.name for element in loads for signal in element.signals]  # of bristles
     return [name for name in dict.fromkeys(read) if name in signals]
 
 

@@ -68,8 +68,9 @@ class MultibodySystem:
 
     @property
     def signal_states(self) -> tuple[Symbol, ...]:
-        """The states s of signals, in the order of the model."""
-        return tuple(Symbol(s.name, SymbolKind.SIGNAL) for s in self.topology.model.signals if s.is_state)
+        """The states s of signals, in the order of the model, without bristles along which nothing slips."""
+        signals = (s.name for s in self.topology.model.signals if s.is_state)
+        return tuple(Symbol(s, SymbolKind.SIGNAL) for s in signals if s not in self.names.values)
 
     @property
     def holonomic(self) -> tuple[ConstraintEquation, ...]:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.fields import ElementName, part
 from symbody.model.naming import CENTRE, GROUND
+
+if TYPE_CHECKING:
+    from symbody.model.signals.signal import Signal
 
 
 @part
@@ -45,6 +48,11 @@ class Element(Declared):
     def label(self) -> str:
         """Return kind and name."""
         return f"{self.kind} {self.name}"
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The signals that it stands for, or that its states are."""
+        return ()
 
     @property
     def compliant_gaps(self) -> Mapping[str, bool]:

@@ -15,11 +15,13 @@ from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.declarations.fields import Quantity, Refusal
 from symbody.model.declarations.formula_site import Triple
 from symbody.model.frozen_mapping import FrozenMapping
+from symbody.model.loads.bristles import bristle_signals
 from symbody.model.loads.forces import Drive
 from symbody.model.loads.friction import Friction
 from symbody.model.loads.gap_laws import Limits
 from symbody.model.naming import make_symbol
 from symbody.model.numeric_checks import NumericChecks
+from symbody.model.signals.signal import Signal
 from symbody.model.simple_rotation import SimpleRotation
 
 ORIGIN: Final[Triple] = (ZERO, ZERO, ZERO)
@@ -336,6 +338,14 @@ class Joint(Connection):
         if kind == "mode":
             return ("",) if self.friction is not None and has_friction and not self.friction.is_smooth else ()
         return ("",) if kind == "reaction" or (kind == "friction" and has_friction) else ()
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The states of the bristles of its friction."""
+        if self.friction is None or not self.friction.has_bristles:
+            return ()
+        slips = (("", f"{self.coordinates[0]}_dot"),)
+        return bristle_signals(self.friction, f"{make_symbol(self.name)}_bristle", slips)
 
     def coordinate_path(self, word: str, coordinate: str) -> str:
         """Return where `word` stands for a coordinate: ``"torque"``, or ``"torque.theta"`` of several."""

@@ -93,7 +93,7 @@ class _ModeSearch:
         evaluator = constraint_evaluator(
             self.eqs, state.parameters, state.inputs, state.t, signals=self._signals()
         )
-        values = evaluator.compile(OF_MODES)(evaluator.t, self.q, self.u)
+        values = evaluator.compile(OF_MODES)(evaluator.t, self.q, self.u, s=evaluator.signals)
         numbers = mode_numbers(self.eqs, values, evaluator.mechanism)
         found = numbers.decide(self.openings)
         if found.verdict is not ModeVerdict.ONE:

@@ -22,9 +22,10 @@ from symbody.codegen.formation.names import Value
 from symbody.codegen.formation.parameter_set import parameter_set
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.loads.friction import FrictionLaw
 from symbody.equations.outputs.input_formulas import input_formula
 from symbody.expr.canonical import ZERO
-from symbody.expr.expression import Expr
+from symbody.expr.expression import Expr, number
 from symbody.expr.graph import TIME, Symbol, SymbolKind
 from symbody.expr.rewrite import substitute, symbols_of
 from symbody.expr.sequences.sequence import Roots
@@ -35,6 +36,7 @@ Floats = NDArray[np.float64]
 _FORCES: Final = "rest forces"
 _SLOPES: Final = "rest slopes"
 _SHARES: Final = "rest shares"
+_PULLS: Final = "rest pulls"
 _CROSSING: Final = 1e-7  # of the largest term, where branches cross: as well as the place is known
 _ROUNDS: Final = 20  # of fits of states of signals
 _ROUNDING: Final = 1e-13  # of the largest term of all equations
@@ -109,6 +111,8 @@ class StaticBalance:
         Whether the forces depend on time.
     curved : (n_q,) array of bool
         Mask of the coordinates in which forces, or what multipliers do, are not linear.
+    rubs : bool
+        Whether multipliers press on bristles, which are states of signals.
     """
 
     evaluator: ConstraintEvaluator
@@ -118,6 +122,7 @@ class StaticBalance:
     scales: Floats
     timed: bool
     curved: NDArray[np.bool_]
+    rubs: bool
 
     @property
     def first_inputs(self) -> Floats:
@@ -144,20 +149,29 @@ class StaticBalance:
         bearing : int, optional
             Number of singular values of the loads that count, the largest first; by default all but rounding.
         """
+        pressing = np.zeros(len(self.evaluator.eqs.multiplier_names))
         for _ in range(_ROUNDS if self.evaluator.signals.size else 0):  # these need not enter linearly
-            before, inputs = inputs, self._residual(q, inputs, largest, bearing).inputs
+            fit = self._residual(q, inputs, largest, bearing, pressing)
+            before, inputs, pressing = inputs, fit.inputs, fit.multipliers
             if not np.isfinite(inputs).all() or (np.abs(inputs - before) <= EXACT * np.abs(inputs)).all():
                 break
-        return self._residual(q, inputs, largest, bearing)
+        return self._residual(q, inputs, largest, bearing, pressing)
 
-    def _residual(self, q: Floats, inputs: Floats, largest: float, bearing: int | None) -> StaticResidual:
-        """Return the residual with multipliers and unknown inputs from one linear fit."""
-        none = np.zeros(len(self.evaluator.eqs.multiplier_names))
+    def _residual(
+        self, q: Floats, inputs: Floats, largest: float, bearing: int | None, pressing: Floats
+    ) -> StaticResidual:
+        """Return the residual with multipliers and unknown inputs from one linear fit.
+
+        Bristles between rigid shapes act in proportion to their multipliers, those of the fit before.
+        """
+        none = np.zeros_like(pressing)
         scale = np.concatenate([self.sizes / largest, self._rate_scales()])
         first = self._evaluate(q, inputs, none)
+        by_inputs = self._evaluate(q, inputs, pressing)[2] if self.rubs else first[2]
         pulls = np.zeros((scale.size, none.size))  # multipliers neither act on signals nor move what is light
-        pulls[: first[3].shape[1]] = first[3].T
-        shares = np.hstack([pulls, first[2]]) * scale[:, np.newaxis]
+        by_multipliers = first[3] if self.rubs else first[3].T
+        pulls[: len(by_multipliers)] = by_multipliers
+        shares = np.hstack([pulls, by_inputs]) * scale[:, np.newaxis]
         weights = np.linalg.norm(shares, axis=0)
         # Rows of J are of order 1 in their scales: one that is less is nearly none, as where branches cross.
         weights[: none.size] = self.scales / largest
@@ -201,11 +215,13 @@ def static_balance(evaluator: ConstraintEvaluator, unknowns: Sequence[str]) -> S
     # the formulas of its outputs contain those rows alone that count with these values
     chosen = parameter_set(eqs, evaluator.parameters).eqs
     plan: _BalancePlan = chosen.variants.get(key, lambda: _plan_balance(chosen, unknowns, laws))
-    words = (_FORCES, _SLOPES, _SHARES, "jacobian")
+    words = (_FORCES, _SLOPES, _SHARES, _PULLS if plan.rubs else "jacobian")
     function = bound_function(plan.wider, words, evaluator.parameters, (), given)
     scales = evaluator.mechanism.constraints(eqs)
     sizes = np.concatenate([evaluator.speed_sizes, _light_sizes(evaluator)])
-    return StaticBalance(evaluator, function, plan.unknowns, sizes, scales, plan.timed, plan.curved)
+    return StaticBalance(
+        evaluator, function, plan.unknowns, sizes, scales, plan.timed, plan.curved, plan.rubs
+    )
 
 
 def _light_sizes(evaluator: ConstraintEvaluator) -> Floats:
@@ -222,6 +238,7 @@ class _BalancePlan(NamedTuple):
     unknowns: int
     timed: bool
     curved: NDArray[np.bool_]
+    rubs: bool
 
 
 def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, Value]) -> _BalancePlan:
@@ -233,11 +250,14 @@ def _plan_balance(eqs: EquationSet, unknowns: Sequence[str], laws: Mapping[str, 
         partial_derivatives(eqs, _SLOPES, forces, eqs.formed.q),
         partial_derivatives(eqs, _SHARES, forces, (*symbols, *signals)),
     ]
+    rubs = any(law.touch is not None and law.friction.has_bristles for law in eqs.formed.friction)
+    if rubs:
+        roots.append(partial_derivatives(eqs, _PULLS, forces, tuple(pulls.values())))
     graph = eqs.formed.graph
     timed = graph.symbol(TIME) in symbols_of(graph, [*forces, *eqs.roots("constraints").nodes])
     slopes = [*roots[1].nodes, *roots[2].nodes, *eqs.roots("jacobian").nodes]
     curved = curved_places(eqs, forces, slopes)
-    return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed, curved)
+    return _BalancePlan(with_outputs(eqs, roots, pulls), len(symbols), timed, curved, rubs)
 
 
 def _is_number(law: Value, name: str) -> bool:
@@ -245,8 +265,9 @@ def _is_number(law: Value, name: str) -> bool:
 
 
 def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], dict[str, Symbol]]:
-    """Return ``F + J^T lambda`` without friction, which is 0 at rest, and the symbols of the multipliers.
+    """Return ``F + J^T lambda`` at rest, and the symbols of the multipliers.
 
+    Friction is 0 at rest, but for bristles of given strength, or between rigid shapes.
     Behind the forces stand those along motions that move no mass, and the rates of signals.
     """
     formed, graph = eqs.formed, eqs.formed.graph
@@ -262,9 +283,23 @@ def _forces(eqs: EquationSet, given: Mapping[str, Value]) -> tuple[list[int], di
         totals.append(total.index)
     totals += [row.drift.index for row in formed.light_balances.values()]
     totals += eqs.roots("signal_rates").nodes if formed.signal_states else ()
-    quiet = {law.effort.index: ZERO for law in formed.friction}
-    quiet |= {Expr(graph, graph.symbol(speed)).index: ZERO for speed in formed.u}
-    return substitute(graph, with_laws(eqs, totals, given), quiet), pulls
+    still = {graph.symbol(speed): ZERO for speed in formed.u}
+    by_row = dict(zip((row.name for row in formed.rows), multipliers, strict=True))
+    bearing = [_effort_at_rest(law, by_row).index for law in formed.friction]
+    efforts = dict(zip((law.effort.index for law in formed.friction), bearing, strict=True))
+    acting = substitute(graph, with_laws(eqs, totals, given), efforts)
+    return substitute(graph, acting, still), pulls
+
+
+def _effort_at_rest(law: FrictionLaw, multipliers: Mapping[str, Expr]) -> Expr:
+    """Return what friction does at rest; bristles in a joint whose reaction they read count as none."""
+    zero = number(law.rate.graph, 0)
+    if not law.friction.has_bristles:
+        return zero
+    share = -(law.slip * law.strength)
+    if not law.reads_reaction:
+        return share
+    return zero if law.touch is None else share * multipliers.get(law.touch.row, zero)
 
 
 class _Loads:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from symbody.equations.contacts.contact_geometry import ContactGeometry, relative_velocity
+from symbody.equations.contacts.bristles import bristle_strengths
+from symbody.equations.contacts.contact_geometry import relative_velocity
 from symbody.equations.contacts.pairs import contact_geometry
+from symbody.equations.contacts.slip_directions import slip_directions
 from symbody.equations.kinematics.constraint_equation import ConstraintEquation
 from symbody.equations.kinematics.motion import Kinematics
 from symbody.equations.kinematics.naming import Names
 from symbody.equations.loads.friction import FrictionLaw, SlipDirection, slip_share
 from symbody.expr.expression import Expr, sqrt
-from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.opcodes import SIGN
 from symbody.model.contacts.contact import Contact
-from symbody.spatial.vector import Vector, cross, dot
+from symbody.spatial.vector import cross
 
 
 def gap_rows(names: Names, kinematics: Kinematics, contact: Contact) -> Iterator[ConstraintEquation]:
@@ -51,23 +52,28 @@ def contact_friction(names: Names, kinematics: Kinematics, contact: Contact) -> 
     smooth = None if friction.v0 is None else names.expression(friction.v0, where)
     for k, touch in enumerate(geometry.touches, start=1):
         velocity = relative_velocity(kinematics, frames, geometry, touch)
-        directions = list(_directions(kinematics, geometry, velocity.slip))
+        directions = list(slip_directions(kinematics, geometry, velocity.slip))
         rates = [rate for _, _, rate in directions]
         element = f"{contact.name} friction" if len(geometry.touches) == 1 else f"{contact.name} friction {k}"
         reach, multiplier = kinematics.position(*frames), f"lambda_{contact.name}_{k}"
         for letter, direction, rate in directions:
+            if contact.bristles:
+                strength = limit = bristle_strengths(names, friction, where)["xy".index(letter)]
+                slip = names.value(f"{contact.bristles[k - 1]}_share_{letter}")
+            else:
+                slip = _slip(rate, rates, smooth)
             yield FrictionLaw(
                 name=f"{element} {letter}",
                 element=element,
                 friction=friction,
                 joint=None,
                 rate=rate,
-                slip=rate * 0 if strength.is_zero else _slip(rate, rates, smooth),
+                slip=rate * 0 if strength.is_zero else slip,
                 strength=strength,
                 limit=limit,
                 radius=None,
                 reads_reaction=True,
-                switches=smooth is None,
+                switches=not friction.is_smooth,
                 touch=SlipDirection(contact.name, frames, reach, touch.point, direction, multiplier),
             )
 
@@ -77,15 +83,3 @@ def _slip(rate: Expr, rates: Sequence[Expr], smooth: Expr | None) -> Expr:
     if smooth is not None:
         return rate / sqrt(sum((x * x for x in rates), smooth * smooth))
     return rate.apply(SIGN) if len(rates) == 1 else slip_share(rate, *rates)
-
-
-def _directions(
-    kinematics: Kinematics, geometry: ContactGeometry, slip: Vector
-) -> Iterator[tuple[str, Vector, Expr]]:
-    """Yield the directions across the normal in which anything moves, with the slip along them."""
-    for letter, axis in zip("xy", geometry.axes(kinematics), strict=False):
-        rate = dot(kinematics.tree, axis, slip)
-        parts = [slope.index for slope in kinematics.speed_partials(rate).values()]
-        parts.append(kinematics.at_zero_speeds(rate).index)
-        if not all(find_zeros(kinematics.graph, parts)):
-            yield letter, axis, rate

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from symbody.equations.contacts.bristles import bristle_force
 from symbody.equations.contacts.contact_geometry import (
     ContactGeometry,
     RelativeVelocity,
@@ -70,9 +71,12 @@ def _contact_law(contact: Contact, names: Names, kinematics: Kinematics, roles: 
     without_potential: list[Load] = []
     energy = power = number(names.graph, 0)
     reach, total, velocities, pressing = kinematics.position(*frames), ZERO, [], []
-    for touch in geometry.touches:
+    for k, touch in enumerate(geometry.touches):
         velocity = relative_velocity(kinematics, frames, geometry, touch)
-        acting = _touch_force(contact, contact.normal, names, kinematics, geometry, touch.gap, velocity)
+        bristle = contact.bristles[k] if contact.bristles else ""
+        acting = _touch_force(
+            contact, contact.normal, names, kinematics, geometry, touch.gap, velocity, bristle
+        )
         force = acting.friction + geometry.normal * acting.normal
         loads += opposite_forces(frames, reach, touch.point, force)
         rest = acting.friction + geometry.normal * (acting.normal - acting.elastic)
@@ -122,6 +126,7 @@ def _touch_force(
     geometry: ContactGeometry,
     gap: Expr,
     velocity: RelativeVelocity,
+    bristle: str,
 ) -> TouchForce:
     where, tree = f"contact {contact.name}", kinematics.tree
     along = normal_force(names, law, gap, velocity.normal, where)
@@ -132,10 +137,15 @@ def _touch_force(
     if contact.friction is not None and not contact.friction.is_none:
         slip: Sequence[Expr] = components(tree, velocity.slip, geometry.home)
         axes = [geometry.forward, cross(tree, geometry.normal, geometry.forward)]
-        if contact.friction.mu_y is not None:
+        has_axes = bool(bristle) or contact.friction.mu_y is not None
+        if has_axes:
             slip = [dot(tree, axis, velocity.slip) for axis in axes]
-        shares = friction_force(names, contact.friction, along.force, slip, where)
-        if contact.friction.mu_y is not None:
+        shares = (
+            bristle_force(names, contact.friction, along.force, bristle, where)
+            if bristle
+            else friction_force(names, contact.friction, along.force, slip, where)
+        )
+        if has_axes:
             friction = axes[0] * shares[0] + axes[1] * shares[1]
         else:
             friction = vector(geometry.home, (shares[0], shares[1], shares[2]))

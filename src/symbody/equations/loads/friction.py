@@ -19,6 +19,7 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT, SIGN
 from symbody.model.joint import Joint
 from symbody.model.loads.friction import Friction
+from symbody.model.naming import make_symbol
 from symbody.spatial.vector import Vector
 
 
@@ -206,7 +207,9 @@ def _law(names: Names, joint: Joint, friction: Friction) -> FrictionLaw:
     radius = None if friction.radius is None else names.expression(friction.radius, where)
     if radius is not None and joint.rotation_coordinates and friction.reads_reaction:
         strength, limit = strength * radius, limit * radius
-    if friction.v0 is None:
+    if friction.has_bristles:
+        strength, slip = limit, names.value(f"{make_symbol(joint.name)}_bristle_share")
+    elif friction.v0 is None:
         slip = rate.apply(SIGN)
     else:
         slip = rate / sqrt(rate**2 + names.expression(friction.v0, where) ** 2)

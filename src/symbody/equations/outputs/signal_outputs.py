@@ -56,11 +56,12 @@ def substitute_signals(
 
 def signal_equations(formed: EquationsOfMotion) -> list[tuple[Symbol, Expr]]:
     """Return what the model says of signals: rates of states, values of others, each in other signals."""
-    names = formed.readable_names
-    own = {signal.name for signal in formed.topology.model.signals}
+    names, states = formed.readable_names, formed.signal_states
+    signals = [s for s in formed.topology.model.signals if not s.is_state or signal_symbol(s.name) in states]
+    own = {signal.name for signal in signals}
     plain = replace(names, values={name: x for name, x in names.values.items() if name not in own})
     equations = []
-    for signal in formed.topology.model.signals:
+    for signal in signals:
         symbol = signal_symbol(signal.name)
         if signal.rate is not None:
             equations.append((symbol.derivative, plain.expression(signal.rate)))

@@ -137,7 +137,7 @@ def initial_problems(
             problems.append(
                 Problem("signal.initial", where, f"{name} is a signal ({symbols.meanings[name].where})",
                         "the initial value of a signal with a rate is part of the signal",
-                        f'write [[signal]] name = "{name}", rate = .., initial = ..')
+                        f'write [[signal]] name = "{name}", rate = .., initial = .., or give it to simulate')
             )  # fmt: skip
         elif name not in legal:
             problems.append(

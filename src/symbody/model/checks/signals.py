@@ -7,19 +7,12 @@ from graphlib import CycleError, TopologicalSorter
 
 from symbody.errors import Problem
 from symbody.model.element import Element
-from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
 
 def collect_signals(elements: Iterable[Element]) -> tuple[Signal, ...]:
-    """Return the signals of a model, in its order, each block in its place."""
-    signals: list[Signal] = []
-    for element in elements:
-        if isinstance(element, Signal):
-            signals.append(element)
-        elif isinstance(element, SignalBlock):
-            signals += element.signals
-    return tuple(signals)
+    """Return the signals of a model, in its order, those of blocks and of bristles in their places."""
+    return tuple(signal for element in elements for signal in element.signals)
 
 
 def loop_problems(signals: Iterable[Signal]) -> list[Problem]:

@@ -10,8 +10,8 @@ from typing import Final, NamedTuple
 
 from symbody.errors import Problem, nearest
 from symbody.expr.language.formula import Formula
-from symbody.model.checks.signals import collect_signals
 from symbody.model.constraint import ConstraintElement
+from symbody.model.contacts.contact import BRISTLES_READ, Contact
 from symbody.model.declarations.formula_site import FormulaSite, Scope
 from symbody.model.element import Element
 from symbody.model.joint import Joint
@@ -100,11 +100,14 @@ def element_entries(element: Element, label: str) -> Iterator[tuple[str, Meaning
     """Return what an element adds to the symbols, unless it is a table."""
     if isinstance(element, Joint):
         yield from joint_entries(element, label)
+        yield from bristle_entries(element, label)
+    elif isinstance(element, Contact):
+        yield from bristle_entries(element, label)
     elif isinstance(element, ConstraintElement):
         for name in element.coordinates:
             yield from coordinate_entries(name, f"{label}, parameter")
     elif isinstance(element, Signal | SignalBlock):
-        yield from signal_entries(element, collect_signals([element]), label)
+        yield from signal_entries(element, element.signals, label)
 
 
 def joint_entries(joint: Joint, label: str) -> Iterator[tuple[str, Meaning]]:
@@ -130,9 +133,22 @@ def signal_entries(element: Element, signals: Sequence[Signal], label: str) -> I
     if element.name not in {signal.name for signal in signals}:  # a block with several outputs
         yield element.name, Meaning("block", f"{label}, name")
     for signal in signals:
-        yield signal.name, Meaning("signal", f"{label}, name")
-        if signal.is_state:
-            yield f"{signal.name}_dot", Meaning("signal rate", f"{label}, name")
+        yield from _signal_names(signal, f"{label}, name")
+
+
+def bristle_entries(element: Joint | Contact, label: str) -> Iterator[tuple[str, Meaning]]:
+    """Return what the bristles of friction add to the symbols, with the slips and gaps that they read."""
+    for signal in element.signals:
+        yield from _signal_names(signal, f"{label}, name")
+    for bristle in element.bristles if isinstance(element, Contact) else ():
+        for word in BRISTLES_READ:
+            yield f"{bristle}_{word}", Meaning(f"{word} of bristles", f"{label}, name")
+
+
+def _signal_names(signal: Signal, where: str) -> Iterator[tuple[str, Meaning]]:
+    yield signal.name, Meaning("signal", where)
+    if signal.is_state:
+        yield f"{signal.name}_dot", Meaning("signal rate", where)
 
 
 def table_entries(table: Lookup, label: str, constants: AbstractSet[str]) -> Iterator[tuple[str, Meaning]]:

@@ -6,21 +6,26 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, Final, final
 
-from symbody.model.contacts.contact_shapes import ContactShapes
+from symbody.model.contacts.contact_shapes import POINTS, ContactShapes
 from symbody.model.contacts.normal_force import RIGID, NormalLaw
 from symbody.model.declarations.arguments import Arguments
 from symbody.model.declarations.combinators import OptionalField, optional
 from symbody.model.declarations.element_fields import Connection, element
 from symbody.model.declarations.fields import DeclaredPart, Quantity, Refusal
+from symbody.model.loads.bristles import bristle_signals
 from symbody.model.loads.friction import Friction, check_friction
 from symbody.model.loads.gap_laws import RESTITUTION
+from symbody.model.naming import make_symbol
 from symbody.model.numeric_checks import NumericChecks
+from symbody.model.signals.signal import Signal
 
 _FRICTION: Final = Refusal(
     "contact.friction", what="{value} is not Friction", fix="give Friction(mu=.., v0=..), or leave it out"
 )
 # What the friction of a joint has, and what has no meaning between two surfaces.
 _OF_JOINTS: Final = ("radius", "force", "static")
+# What ends the names of what bristles read: the slip along x and y, and the gap.
+BRISTLES_READ: Final = ("slip_x", "slip_y", "gap")
 
 
 @final
@@ -34,7 +39,8 @@ class Contact(Connection):
     each with the whole law: the gap is the least of theirs, the force the sum.
 
     Friction needs `v0`: with the slip v, the relative velocity across the normal, it is
-    ``-mu N v/sqrt(v^2 + v0^2)``, so that what seems to stick creeps.
+    ``-mu N v/sqrt(v^2 + v0^2)``, so that what seems to stick creeps; or `deflection`: its bristles hold what
+    sticks like springs, each point by its own states.
 
     With ``normal="rigid"`` the shapes never overlap: where the gap closes its rate jumps, by Poisson's law
     with `restitution`, and while it is closed a multiplier keeps it so. Friction without `v0` sticks then, as
@@ -73,7 +79,9 @@ class Contact(Connection):
     )
     friction: OptionalField[Friction, Friction] = optional(
         DeclaredPart(
-            "Friction across the normal; of a compliant one with v0.", kind=Friction, refusal=_FRICTION
+            "Friction across the normal; of a compliant one with v0 or deflection.",
+            kind=Friction,
+            refusal=_FRICTION,
         )
     )
 
@@ -86,6 +94,26 @@ class Contact(Connection):
     def compliant_gaps(self) -> Mapping[str, bool]:
         """The gap below which it has a force."""
         return {} if self.is_rigid else {f"gap {self.name}": False}
+
+    @property
+    def bristles(self) -> tuple[str, ...]:
+        """With what the names of bristles begin, one for each point."""
+        if self.friction is None or not self.friction.has_bristles:
+            return ()
+        words = [shape.word for shape in self.shapes]
+        count = max(POINTS.get(word, 1) for word in words) if "plane" in words else 1
+        label = f"{make_symbol(self.name)}_bristle"
+        return (label,) if count == 1 else tuple(f"{label}_{k}" for k in range(1, count + 1))
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """The states of bristles along x and y, as functions of slip and gap in their points."""
+        signals: list[Signal] = []
+        for label in self.bristles:
+            x, y, gap = (f"{label}_{word}" for word in BRISTLES_READ)
+            assert self.friction is not None
+            signals += bristle_signals(self.friction, label, (("_x", x), ("_y", y)), gap)
+        return tuple(signals)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -110,7 +138,7 @@ class Contact(Connection):
             arguments.add("contact.normal", "restitution", "restitution is that of a rigid contact", why, fix)
         if friction is None:
             return
-        if self.is_rigid:
+        if self.is_rigid and friction.deflection is None:
             _check_rigid_friction(friction, arguments)
             return
         odd = [name for name in _OF_JOINTS if getattr(friction, name) is not None]
@@ -119,12 +147,13 @@ class Contact(Connection):
             arguments.add(
                 "contact.friction", f"friction.{name}", f"{name} is for joints", why, "leave it out"
             )
-        if friction.v0 is None and not odd and not friction.is_none:
+        if not friction.is_smooth and not odd and not friction.is_none:
             what = "v0 is missing"
-            why = "friction of a compliant contact is a smooth function of the slip"
-            fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength"
+            why = "friction of a compliant contact is a function of the slip, or deflects before it slips"
+            fix = "give v0 = .. in m/s: the slip at which friction is at 0.71 of its strength; or deflection"
             arguments.add("contact.friction", "friction.v0", what, why, fix)
-        if (friction.mu_static is None) != (friction.stribeck is None):
+        is_complete = (friction.mu_static is None) == (friction.stribeck is None)
+        if not is_complete and friction.deflection is None:
             what = "mu_static and stribeck belong together"
             why = "the coefficient falls from mu_static to mu over the speed stribeck"
             arguments.add("contact.friction", "friction.mu_static", what, why, "give both, or neither")

@@ -97,6 +97,8 @@ PAIRS: Final[frozenset[tuple[str, str]]] = frozenset(
         ("cam", "point"), ("cam", "disc"), ("cam", "sphere"),
     )
 )  # fmt: skip
+# What touches a plane in several points; all else touches in one.
+POINTS: Final = MappingProxyType({"capsule": 2, "cylinder": 6, "box": 8})
 
 
 @dataclass(frozen=True, slots=True)

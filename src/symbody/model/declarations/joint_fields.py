@@ -293,7 +293,8 @@ class DryFriction(OptionalField[Friction, Friction]):
     def read(self, owner: Joint, arguments: Arguments, value: object, path: str) -> Friction | None:
         """Return the friction; it is refused where there are several free directions."""
         friction = OptionalField.read(self, owner, arguments, value, path)
-        for name in ("mu_y", "stribeck"):
+        has_bristles = friction is not None and friction.has_bristles
+        for name in ("mu_y",) if has_bristles else ("mu_y", "stribeck"):
             if friction is not None and getattr(friction, name) is not None:
                 what, why = (
                     f"{name} is for contacts",

@@ -22,9 +22,14 @@ _STRENGTHS: Final = {
 _SCALES: Final = {
     name: Domain("model.friction_scale", f"{name} is {{value}}", "it is a scale or a lever arm",
                  f"give a positive number, or leave {name} out", 0.0, above=True)
-    for name in ("radius", "v0", "stribeck")
+    for name in ("radius", "v0", "stribeck", "deflection", "damping_time")
 }  # fmt: skip
-_DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES})
+_BREAKAWAY: Final = Domain(
+    "model.friction_scale", "breakaway is {value}",
+    "it is the share of the strength below which nothing slips",
+    "give a number from 0 (LuGre's law, which creeps) to 0.99, or leave breakaway out", 0.0, most=0.99,
+)  # fmt: skip
+_DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES, "breakaway": _BREAKAWAY})
 
 
 @final
@@ -41,6 +46,11 @@ class Friction(Declared):
     In a contact it is ``mu N v/sqrt(v^2 + v0^2)`` against the slip v, with `mu_y` across x of the contact's
     frame. With `stribeck` the coefficient falls from `mu_static` to `mu` as
     ``mu + (mu_static - mu) exp(-(v/stribeck)^2)``.
+
+    With `deflection` it has bristles instead, in joints and contacts: it deflects like a spring up to there,
+    then slips, and needs neither `v0` nor events. Below `breakaway` nothing slips, so that what rests does
+    not creep: the law of Dupont, Hayward, Armstrong and Altpeter (2002); ``breakaway=0`` is LuGre's (Canudas
+    de Wit et al. 1995). The deflection, as a share of `deflection`, is a state.
 
     Examples
     --------
@@ -73,7 +83,16 @@ class Friction(Declared):
         Quantity("Coefficient of a contact along y of its frame; default: mu.", scope=Scope.LOAD)
     )
     stribeck: OptionalQuantity = optional(
-        Quantity("Speed over which a contact's mu_static falls to mu.", unit="m/s")
+        Quantity("Speed over which mu_static falls to mu; of contacts and bristles.", unit="m/s, rad/s")
+    )
+    deflection: OptionalQuantity = optional(
+        Quantity("Deflection of bristles at which they break away: the law without events.", unit="m, rad")
+    )
+    damping_time: OptionalQuantity = optional(
+        Quantity("Damping of bristles over their stiffness; default: 2 sqrt(deflection/9.81).", unit="s")
+    )
+    breakaway: OptionalQuantity = optional(
+        Quantity("Share of the strength below which bristles do not slip; default: 0.7; 0: LuGre's law.")
     )
 
     def check(self, arguments: Arguments) -> None:
@@ -86,6 +105,31 @@ class Friction(Declared):
                     _refuse_mixture(arguments, name, "mu")
             if self.mu.constant() != 0:
                 _refuse_mixture(arguments, "force", "mu = 0")
+        self._check_bristles(arguments)
+
+    def _check_bristles(self, arguments: Arguments) -> None:
+        """Note arguments of bristles without them, and those of other laws with them."""
+        if self.deflection is None:
+            for name in ("damping_time", "breakaway"):
+                if getattr(self, name) is not None:
+                    why, fix = "it is that of bristles", "give deflection = .., or leave it out"
+                    what = f"{name} requires deflection, which is missing"
+                    arguments.add("model.mixed_friction", name, what, why, fix)
+            return
+        if self.v0 is not None:
+            what, why = "deflection and v0 are given", "with v0 friction is a function of the slip alone"
+            arguments.add("model.mixed_friction", "deflection", what, why, "leave one of them out")
+        check = NumericChecks({})
+        for name in ("deflection", "damping_time", "breakaway"):
+            if (formula := getattr(self, name)) is not None:
+                _DOMAINS[name](check, formula, name)
+        for problem in check.problems:
+            arguments.add(problem.code, problem.where, problem.what, problem.why, problem.fix)
+        word = "static" if self.force is not None else "mu_static"
+        if (getattr(self, word) is None) != (self.stribeck is None):
+            what = f"{word} and stribeck belong together"
+            why = f"the strength falls from {word} over the speed stribeck"
+            arguments.add("model.mixed_friction", word, what, why, "give both, or neither")
 
     @property
     def reads_reaction(self) -> bool:
@@ -94,8 +138,19 @@ class Friction(Declared):
 
     @property
     def is_smooth(self) -> bool:
-        """Whether it is a function of the velocity, without sticking."""
-        return self.v0 is not None
+        """Whether it is a function of velocity and states, without sticking."""
+        return self.v0 is not None or self.has_bristles
+
+    @property
+    def has_bristles(self) -> bool:
+        """Whether it deflects before it slips."""
+        return self.deflection is not None and not self.is_none
+
+    @property
+    def strongest(self) -> Formula:
+        """The coefficient, or the strength, up to which it sticks."""
+        moving, resting = (self.mu, self.mu_static) if self.force is None else (self.force, self.static)
+        return moving if resting is None else resting
 
     @property
     def is_none(self) -> bool:

@@ -48,6 +48,11 @@ class Signal(Element):
     ))  # fmt: skip
 
     @property
+    def signals(self) -> tuple[Signal, ...]:
+        """It alone."""
+        return (self,)
+
+    @property
     def is_state(self) -> bool:
         """Whether the signal has a rate."""
         return self.rate is not None
