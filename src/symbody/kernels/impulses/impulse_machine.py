@@ -1,0 +1,322 @@
+"""The method of Moreau and Jean: steps of one length, impulses at their ends.
+
+The functions are f, slopes of all states without impulses; k, rates of coordinates; e, gaps; d, how points
+are moved; g, which closes the constraints. A step is that of the midpoint rule where nothing touches. Points
+act whose gaps it would leave negative; with J, M and all forces in the middle, they get the impulses that
+fulfil the laws at the end: ``u = u_free + M^-1 J^T P``, ``q = q_old + h N(q_m) (u_m + (u - u_free)/2)``.
+Gaps that are still negative then, since they are not linear, are closed by displacements, without speeds.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from symbody.kernels.block import NO_MODE_ROOM, OUT_OF_REACH, RUNNING, Run
+from symbody.kernels.configurations.projection import project_new_state
+from symbody.kernels.impulses.impulse_responses import (
+    add_impulse,
+    answer_to_point,
+    forget_responses,
+    row_change,
+)
+from symbody.kernels.impulses.impulse_step import ImpulseStep
+from symbody.kernels.impulses.impulse_sweeps import solve_impulses, work_of_impulses
+from symbody.kernels.language import Function, Reals, is_finite, part
+from symbody.kernels.record_layout import exists
+from symbody.kernels.runge_kutta import all_finite, call, copy, evaluate
+from symbody.kernels.step_bounds import behind_jump, plan_trial
+from symbody.kernels.step_machine import begin, begin_again, failure, keep_step, reached_limit
+
+MOST_ROUNDS: Final = 8  # of points that join, and of displacements
+MOST_PUSHES: Final = 400  # sweeps of one displacement
+PUSHED: Final = 0.1  # of what counts as closed
+ENTRY: Final = 4  # numbers of a point in the record
+
+
+def measure_gaps(e: Function, run: Run, step: ImpulseStep, t: float, x: Reals) -> int:
+    """Compute all gaps at a state; return 0 if they are no numbers."""
+    if call(e, step.speeds, step.gap_numbers, t, x, step.widths) != 0:
+        run.counts.failed_kernel = 1
+        return 0
+    return all_finite(step.gaps, step.widths)
+
+
+def choose_points(step: ImpulseStep, wanted: float) -> int:
+    """Let points act whose gaps are below some closed ones, and all without gaps; return how many join."""
+    joined = 0
+    for k in range(step.points):
+        if step.acts[k] == 0.0:
+            if k >= step.gaps:
+                step.acts[k] = 1.0
+                joined = joined + 1
+            elif step.widths[k] <= wanted * step.closed[k]:
+                step.acts[k] = 1.0
+                joined = joined + 1
+    if joined > 0:
+        count = 0
+        for k in range(step.points):
+            if step.acts[k] != 0.0:
+                step.active[count] = float(k)
+                count = count + 1
+        step.count = count
+    return joined
+
+
+def start_impulses(step: ImpulseStep) -> None:
+    """Begin with the impulses of the step before where points act, and without any elsewhere."""
+    for k in range(step.points):
+        first = int(step.point_first[k])
+        for row in range(first, first + int(step.point_rows[k])):
+            step.impulses[row] = 0.0
+            if step.acts[k] != 0.0 and step.begins != 0.0:
+                step.impulses[row] = step.kept[row]
+
+
+def move_coordinates(k: Function, run: Run, step: ImpulseStep, t: float, h: float) -> int:
+    """Set the new coordinates, with the rates in the middle of the step; return 0 if they are no numbers."""
+    n_u = step.speeds
+    n = step.states
+    stage = run.stage
+    for i in range(n_u):
+        stage[i] = run.state_old[i] + 0.5 * h * run.slopes[i] + 0.5 * (step.moving[i] - step.free[i])
+        stage[i] = stage[i] + step.shift[i] / h
+    if call(k, n_u, step.rate_numbers, t, stage, step.turn) != 0:
+        run.counts.failed_kernel = 1
+        return 0
+    n_q = step.coordinates
+    for i in range(n_q):
+        run.state_new[n_u + i] = run.state_old[n_u + i] + h * step.turn[i]
+    return all_finite(n, run.state_new)
+
+
+def attempt_impulses(
+    f: Function, k: Function, e: Function, d: Function, run: Run, step: ImpulseStep, h: float
+) -> int:  # fmt: skip
+    """Try one step; return 0 if it fails."""
+    n = step.states
+    n_u = step.speeds
+    old = run.state_old
+    new = run.state_new
+    stage = run.stage
+    middle = run.time + 0.5 * h
+    end = run.time + h
+    run.counts.failed_kernel = 0
+    for i in range(n):
+        stage[i] = old[i] + 0.5 * h * run.slopes[i]
+    evaluate(f, run, middle, stage, step.middle)
+    if run.counts.failed_kernel != 0 or all_finite(n, step.middle) == 0:
+        copy(n, step.middle, part(run.slopes, n, n))
+        return 0
+    for i in range(n):
+        new[i] = old[i] + h * step.middle[i]
+    for i in range(n_u):
+        step.free[i] = new[i]
+        step.moving[i] = new[i]
+        step.shift[i] = 0.0
+    for i in range(step.points):
+        step.acts[i] = 0.0
+    step.count = 0
+    step.residual = 0.0
+    if measure_gaps(e, run, step, end, new) == 0:
+        return 0
+    if choose_points(step, 0.0) > 0:
+        if touch(k, e, d, run, step, h) == 0:
+            return 0
+    for i in range(n_u):
+        new[i] = step.moving[i]
+    return 1
+
+
+def touch(k: Function, e: Function, d: Function, run: Run, step: ImpulseStep, h: float) -> int:
+    """Find impulses, and displacements where gaps stay negative; return 0 if there are none."""
+    middle = run.time + 0.5 * h
+    n = step.states
+    if call(d, step.speeds, step.response_numbers, middle, run.stage, step.values) != 0:
+        run.counts.failed_kernel = 1
+        return 0
+    if all_finite(step.values_size, step.values) == 0:
+        return 0
+    forget_responses(step)
+    start_impulses(step)
+    joined = 1
+    for turn in range(MOST_ROUNDS):
+        if joined > 0:
+            if solve_impulses(step, h, run.state_old) == 0:
+                return 0
+            if move_coordinates(k, run, step, middle, h) == 0:
+                return 0
+            if measure_gaps(e, run, step, run.time + h, run.state_new) == 0:
+                return 0
+            joined = 0
+            if turn + 1 < MOST_ROUNDS:
+                joined = choose_points(step, -1.0)
+    run.state_new[n - 1] = run.state_new[n - 1] + work_of_impulses(step)
+    return push_back(k, e, run, step, h)
+
+
+def push_back(k: Function, e: Function, run: Run, step: ImpulseStep, h: float) -> int:
+    """Close gaps that are negative by displacements of least kinetic energy; return 0 if that fails."""
+    for _turn in range(MOST_ROUNDS):
+        if overlap(step) > 1.0:
+            choose_points(step, -1.0)
+            for i in range(step.speeds):
+                step.nudge[i] = 0.0
+            for i in range(step.count):
+                if answer_to_point(step, int(step.active[i])) == 0:
+                    return 0
+                step.pushes[int(step.active[i])] = 0.0
+            for _sweep in range(MOST_PUSHES):
+                if push_points(step) <= PUSHED:
+                    break
+            for i in range(step.speeds):
+                step.shift[i] = step.shift[i] + step.nudge[i]
+            if move_coordinates(k, run, step, run.time + 0.5 * h, h) == 0:
+                return 0
+            if measure_gaps(e, run, step, run.time + h, run.state_new) == 0:
+                return 0
+    return 1
+
+
+def overlap(step: ImpulseStep) -> float:
+    """Return the largest overlap over what counts as closed."""
+    worst = 0.0
+    for i in range(step.gaps):
+        worst = max(worst, -step.widths[i] / step.closed[i])
+    return worst
+
+
+def push_points(step: ImpulseStep) -> float:
+    """Sweep once over displacements; return the largest change of a gap over what counts as closed.
+
+    Gaps are kept with the displacements so far.
+    """
+    most = 0.0
+    for i in range(step.count):
+        point = int(step.active[i])
+        if point < step.gaps:
+            response = step.own[9 * point]
+            if response > 0.0:
+                width = step.widths[point] + row_change(step, int(step.point_first[point]), step.nudge)
+                push = max(0.0, step.pushes[point] - width / response)
+                change = push - step.pushes[point]
+                if change != 0.0:
+                    step.pushes[point] = push
+                    add_impulse(step, point, 0, change, step.nudge)
+                    most = max(most, abs(change) * response / step.closed[point])
+    return most
+
+
+def note_step(run: Run, step: ImpulseStep, h: float, S: Reals, Z: Reals) -> None:
+    """Write down the efforts of all points in a step, and what is to be told of it."""
+    place = step.steps
+    entry = step.recorded
+    S[2 * place] = run.time
+    S[2 * place + 1] = float(entry)
+    for k in range(step.points):
+        first = int(step.point_first[k])
+        rows = int(step.point_rows[k])
+        pushes = 0.0
+        for r in range(rows):
+            value = 0.0
+            if step.acts[k] != 0.0:
+                value = step.impulses[first + r]
+            step.kept[first + r] = value
+            pushes = max(pushes, abs(value))
+        if pushes > 0.0:
+            Z[ENTRY * entry] = float(k)
+            for r in range(rows):
+                Z[ENTRY * entry + 1 + r] = step.kept[first + r] / h
+            entry = entry + 1
+    step.begins = 1.0
+    step.steps = place + 1
+    step.recorded = entry
+    step.most = max(step.most, float(step.count))
+    if step.residual > step.worst * step.scale:
+        step.worst = step.residual / step.scale
+        step.worst_time = run.time
+    if step.residual > step.tolerance * step.scale:
+        if step.missed == 0.0:
+            step.missed_time = run.time
+        step.missed = step.missed + 1.0
+    deep = overlap(step)
+    if deep > step.deepest:
+        step.deepest = deep
+        step.deepest_time = run.t_new
+
+
+def finish_step(f: Function, g: Function, run: Run, step: ImpulseStep) -> int:
+    """Close constraints at the end of a step and compute the slopes there; return 0 if that fails.
+
+    For what lies between the ends speeds, and the work, change evenly: they jump nowhere.
+    """
+    n = step.states
+    n_u = step.speeds
+    h = run.length
+    K = run.slopes
+    if exists(run.projection):
+        moved = project_new_state(g, run, run.t_new)
+        if moved < 0.0 or not is_finite(moved):
+            run.counts.failed_kernel = OUT_OF_REACH
+            return 0
+    evaluate(f, run, run.time + h, run.state_new, step.slopes_end)
+    copy(n, step.slopes_end, part(K, n, n))
+    if run.counts.failed_kernel != 0 or all_finite(n, step.slopes_end) == 0:
+        return 0
+    for i in range(n):
+        if i < n_u or i == n - 1:
+            slope = (run.state_new[i] - run.state_old[i]) / h
+            K[i] = slope
+            K[n + i] = slope
+    return 1
+
+
+def try_impulses(
+    f: Function, k: Function, e: Function, d: Function, g: Function, run: Run, step: ImpulseStep,
+    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, S: Reals, Z: Reals,
+) -> int:  # fmt: skip
+    """Try one step; return why there is no other, or `RUNNING`."""
+    if step.steps + 1 > step.step_room or step.recorded + step.points > step.entry_room:
+        return NO_MODE_ROOM
+    plan_trial(run, run.time, run.step)
+    h = run.length
+    if h == 0.0:
+        return failure(run)
+    if attempt_impulses(f, k, e, d, run, step, h) == 0:
+        return failure(run)
+    if finish_step(f, g, run, step) == 0:
+        return failure(run)
+    if keep_step(f, g, run, 0.0, times, t, x, breaks, pieces) > 0.0:
+        return failure(run)
+    note_step(run, step, h, S, Z)
+    n = step.states
+    copy(n, step.slopes_end, run.slopes)
+    copy(n, run.state_new, run.state_old)
+    run.counts.accepted = run.counts.accepted + 1
+    run.time = run.t_new
+    run.step = run.goal.direction * run.goal.max_step
+    behind = behind_jump(run, run.time)
+    if behind != run.time:
+        run.time = behind
+        evaluate(f, run, behind, run.state_old, run.slopes)
+    return RUNNING
+
+
+def advance_impulses(
+    f: Function, k: Function, e: Function, d: Function, g: Function, run: Run, step: ImpulseStep,
+    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, S: Reals, Z: Reals, trials: int,
+) -> int:  # fmt: skip
+    """Try up to so many steps; return one of the codes of `block`, `NO_MODE_ROOM` for more of S and Z."""
+    for _trial in range(trials):
+        code = reached_limit(run)
+        if code == RUNNING:
+            code = try_impulses(f, k, e, d, g, run, step, times, t, x, breaks, pieces, S, Z)
+        if code != RUNNING:
+            return code
+    return RUNNING
+
+
+def begin_impulses(f: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals) -> int:
+    """Begin as `step_machine.begin` does, behind steps that are stored."""
+    if run.counts.steps == 0:
+        return begin(f, run, times, t, x, breaks)
+    return begin_again(f, run, times, t, x, breaks)
