@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.block import NO_MODE_ROOM, OUT_OF_REACH, RUNNING, Run
-from symbody.kernels.configurations.projection import project_new_state
+from symbody.kernels.configurations.projection import project, project_new_state
 from symbody.kernels.impulses.impulse_responses import (
     add_impulse,
     answer_to_point,
@@ -72,8 +72,13 @@ def start_impulses(step: ImpulseStep) -> None:
                 step.impulses[row] = step.kept[row]
 
 
-def move_coordinates(k: Function, run: Run, step: ImpulseStep, t: float, h: float) -> int:
-    """Set the new coordinates, with the rates in the middle of the step; return 0 if they are no numbers."""
+def move_coordinates(
+    k: Function, e: Function, g: Function, run: Run, step: ImpulseStep, t: float, h: float
+) -> int:  # fmt: skip
+    """Set the new coordinates, with the rates in the middle of the step, and measure the gaps there.
+
+    Returns 0 if they are no numbers.
+    """
     n_u = step.speeds
     n = step.states
     stage = run.stage
@@ -86,11 +91,16 @@ def move_coordinates(k: Function, run: Run, step: ImpulseStep, t: float, h: floa
     n_q = step.coordinates
     for i in range(n_q):
         run.state_new[n_u + i] = run.state_old[n_u + i] + h * step.turn[i]
-    return all_finite(n, run.state_new)
+    if all_finite(n, run.state_new) == 0:
+        return 0
+    if exists(run.projection):
+        if not is_finite(project(g, run, run.time + h, run.state_new)):
+            return 0
+    return measure_gaps(e, run, step, run.time + h, run.state_new)
 
 
 def attempt_impulses(
-    f: Function, k: Function, e: Function, d: Function, run: Run, step: ImpulseStep, h: float
+    f: Function, k: Function, e: Function, d: Function, g: Function, run: Run, step: ImpulseStep, h: float
 ) -> int:  # fmt: skip
     """Try one step; return 0 if it fails."""
     n = step.states
@@ -120,14 +130,16 @@ def attempt_impulses(
     if measure_gaps(e, run, step, end, new) == 0:
         return 0
     if choose_points(step, 0.0) > 0:
-        if touch(k, e, d, run, step, h) == 0:
+        if touch(k, e, d, g, run, step, h) == 0:
             return 0
     for i in range(n_u):
         new[i] = step.moving[i]
     return 1
 
 
-def touch(k: Function, e: Function, d: Function, run: Run, step: ImpulseStep, h: float) -> int:
+def touch(
+    k: Function, e: Function, d: Function, g: Function, run: Run, step: ImpulseStep, h: float
+) -> int:  # fmt: skip
     """Find impulses, and displacements where gaps stay negative; return 0 if there are none."""
     middle = run.time + 0.5 * h
     n = step.states
@@ -143,18 +155,16 @@ def touch(k: Function, e: Function, d: Function, run: Run, step: ImpulseStep, h:
         if joined > 0:
             if solve_impulses(step, h, run.state_old) == 0:
                 return 0
-            if move_coordinates(k, run, step, middle, h) == 0:
-                return 0
-            if measure_gaps(e, run, step, run.time + h, run.state_new) == 0:
+            if move_coordinates(k, e, g, run, step, middle, h) == 0:
                 return 0
             joined = 0
             if turn + 1 < MOST_ROUNDS:
                 joined = choose_points(step, -1.0)
-    run.state_new[n - 1] = run.state_new[n - 1] + work_of_impulses(step)
-    return push_back(k, e, run, step, h)
+    run.state_new[n - 1] = run.state_new[n - 1] + work_of_impulses(step, step.before)
+    return push_back(k, e, g, run, step, h)
 
 
-def push_back(k: Function, e: Function, run: Run, step: ImpulseStep, h: float) -> int:
+def push_back(k: Function, e: Function, g: Function, run: Run, step: ImpulseStep, h: float) -> int:
     """Close gaps that are negative by displacements of least kinetic energy; return 0 if that fails."""
     for _turn in range(MOST_ROUNDS):
         if overlap(step) > 1.0:
@@ -170,9 +180,7 @@ def push_back(k: Function, e: Function, run: Run, step: ImpulseStep, h: float) -
                     break
             for i in range(step.speeds):
                 step.shift[i] = step.shift[i] + step.nudge[i]
-            if move_coordinates(k, run, step, run.time + 0.5 * h, h) == 0:
-                return 0
-            if measure_gaps(e, run, step, run.time + h, run.state_new) == 0:
+            if move_coordinates(k, e, g, run, step, run.time + 0.5 * h, h) == 0:
                 return 0
     return 1
 
@@ -281,7 +289,7 @@ def try_impulses(
     h = run.length
     if h == 0.0:
         return failure(run)
-    if attempt_impulses(f, k, e, d, run, step, h) == 0:
+    if attempt_impulses(f, k, e, d, g, run, step, h) == 0:
         return failure(run)
     if finish_step(f, g, run, step) == 0:
         return failure(run)

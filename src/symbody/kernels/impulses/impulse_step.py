@@ -61,6 +61,8 @@ class ImpulseStep(RecordLayout):
     acts: Reals = pointer("points")
     active: Reals = pointer("points")  # the points that act
     count: int
+    acting_rows: Reals = pointer("rows")  # their rows
+    acting: int
     own: Reals = pointer("points", 9)  # how rates of a point answer to its own impulses
     impulses: Reals = pointer("rows")
     kept: Reals = pointer("rows")  # those of the last step
@@ -76,6 +78,17 @@ class ImpulseStep(RecordLayout):
     shift: Reals = pointer("speeds")  # and what they make of coordinates
     nudge: Reals = pointer("speeds")
     local: Reals = pointer(32)
+    start: Reals = pointer("rows")  # impulses before sweeps, and where these have led
+    last_start: Reals = pointer("rows")
+    last_change: Reals = pointer("rows")
+    way: Reals = pointer("rows")
+    history: Reals = pointer("rows", 10)  # by pairs: how changes, and ends of sweeps, have differed
+    normal_matrix: Reals = pointer(25)
+    weights: Reals = pointer(5)
+    known: int
+    slot: int
+    has_last: float
+    residual_before: float
     block: Reals = pointer("block_room")
     share: float  # of restitution
     scale: float  # rates in this step, of which the tolerance is a share

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from typing import Final
 
+from symbody.kernels.impulses.impulse_acceleration import accelerate, forget_sweeps, keep_start
 from symbody.kernels.impulses.impulse_responses import add_impulse, answer_to_point, row_rate
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.impulses.point_impulse import solve_point
-from symbody.kernels.language import Reals, is_finite, part, sqrt
+from symbody.kernels.language import INFINITY, Reals, is_finite, part, sqrt
 
 LEAST_SHARE: Final = 1e-3  # of restitution
 ROUNDED: Final = 1e-13  # of the work that impulses do
@@ -27,7 +28,7 @@ def solve_impulses(step: ImpulseStep, h: float, old: Reals) -> int:
         return 0
     step.share = 1.0
     sweep_points(step, h)
-    while step.share > 0.0 and work_of_impulses(step) > ROUNDED * size_of_work(step):
+    while step.share > 0.0 and work_of_impulses(step, step.without) > ROUNDED * size_of_work(step):
         if step.share == 1.0:
             step.lowered = step.lowered + 1.0
         step.share = 0.5 * step.share
@@ -45,6 +46,7 @@ def prepare_points(step: ImpulseStep, old: Reals) -> int:
     for i in range(step.speeds):
         step.moving[i] = step.free[i]
     step.scale = 0.0
+    acting = 0
     for k in range(step.count):
         point = int(step.active[k])
         if answer_to_point(step, point) == 0:
@@ -56,30 +58,32 @@ def prepare_points(step: ImpulseStep, old: Reals) -> int:
             step.without[row] = row_rate(step, row, step.free)
             step.scale = max(step.scale, max(abs(step.before[row]), abs(step.without[row])))
             add_impulse(step, point, r, step.impulses[row], step.moving)
+            step.acting_rows[acting] = float(row)
+            acting = acting + 1
+    step.acting = acting
     return 1
 
 
 def sweep_points(step: ImpulseStep, h: float) -> None:
     """Sweep over the points, forth and back, until the residual is within the tolerance."""
-    step.residual = 0.0
     goal = step.tolerance * step.scale
-    going = step.sweeps
-    while going > 0:
+    forget_sweeps(step)
+    step.residual = INFINITY
+    left = step.sweeps
+    while left > 0 and step.residual > goal:
+        keep_start(step)
         step.residual = 0.0
         for k in range(step.count):
             sweep_point(step, int(step.active[k]), h)
-        going = going - 1
-        step.swept = step.swept + 1.0
-        if step.residual <= goal:
-            going = min(going, 0)
-        if going > 0:
+        left = left - 1
+        if left > 0 and step.residual > goal:
             step.residual = 0.0
             for k in range(step.count - 1, -1, -1):
                 sweep_point(step, int(step.active[k]), h)
-            going = going - 1
-            step.swept = step.swept + 1.0
-            if step.residual <= goal:
-                going = min(going, 0)
+            left = left - 1
+        if left > 0 and step.residual > goal:
+            accelerate(step)
+    step.swept = step.swept + float(step.sweeps - left)
 
 
 def sweep_point(step: ImpulseStep, point: int, h: float) -> None:
@@ -98,7 +102,7 @@ def sweep_point(step: ImpulseStep, point: int, h: float) -> None:
     for r in range(rows):
         rates[r] = row_rate(step, first + r, step.moving)
     if gap == 1:
-        rates[0] = rates[0] + step.share * values[0] * min(step.before[first], 0.0)
+        rates[0] = rates[0] + step.share * values[0] * step.before[first]
     impulses = part(step.impulses, first, rows)
     step.residual = max(
         step.residual, point_residual(rows, gap, values[1], values[2], h, G, rates, impulses)
@@ -158,15 +162,15 @@ def friction_residual(
     return sqrt(missed) * stiffest
 
 
-def work_of_impulses(step: ImpulseStep) -> float:
-    """Return the work of all impulses: each times the mean of the rates before and behind."""
+def work_of_impulses(step: ImpulseStep, first_rates: Reals) -> float:
+    """Return the work of all impulses: each times the mean of some first rates and of those behind."""
     total = 0.0
     for k in range(step.count):
         point = int(step.active[k])
         first = int(step.point_first[point])
         for row in range(first, first + int(step.point_rows[point])):
             rate = row_rate(step, row, step.moving)
-            total = total + 0.5 * step.impulses[row] * (rate + step.without[row])
+            total = total + 0.5 * step.impulses[row] * (rate + first_rates[row])
     return total
 
 

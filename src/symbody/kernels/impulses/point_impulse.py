@@ -10,11 +10,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.language import INFINITY, Reals, is_finite, sqrt
+from symbody.kernels.language import Reals, is_finite, sqrt
 
-MOST_TRIALS: Final = 60
 NEARLY: Final = 4.0e-16
-GROWTH: Final = 16.0
 FLAT: Final = 1e-14  # share of a diagonal entry below which a pivot is rounding
 
 
@@ -30,7 +28,10 @@ def solve_curbed(rows: int, first: int, G: Reals, b: Reals, curb: float, P: Real
         if i >= first:
             A[4 * i] = A[4 * i] + curb
     for k in range(rows):
-        if A[4 * k] > FLAT * (G[4 * k] + curb):
+        size = G[4 * k]
+        if k >= first:
+            size = size + curb
+        if A[4 * k] > FLAT * size:
             for i in range(k + 1, rows):
                 share = A[3 * i + k] / A[4 * k]
                 for j in range(k + 1, rows):
@@ -59,7 +60,7 @@ def excess(rows: int, first: int, strength: float, pressing: float, P: Reals) ->
     return sqrt(total) - strength * normal
 
 
-def excess_size(rows: int, first: int, P: Reals) -> float:
+def largest_across(rows: int, first: int, P: Reals) -> float:
     """Return the largest entry of an impulse across the normal."""
     most = 0.0
     for i in range(first, rows):
@@ -71,7 +72,7 @@ def solve_point(
     rows: int, first: int, strength: float, limit: float, pressing: float, G: Reals, b: Reals, curb: float,
     P: Reals, A: Reals,
 ) -> float:  # fmt: skip
-    """Set P (rows,) to the impulse at a point; return the curb of its slip, 0 if it does not slip.
+    """Set P (rows,) to the impulse at a point; return the share of the curb of its slip, 0 without slip.
 
     Parameters
     ----------
@@ -103,58 +104,60 @@ def search_curb(
     rows: int, first: int, strength: float, pressing: float, G: Reals, b: Reals, begin: float, P: Reals,
     A: Reals,
 ) -> float:  # fmt: skip
-    """Set P to the impulse of a point that slips; return its curb."""
+    """Set P to the impulse of a point that slips; return the share of its curb.
+
+    The curb k is looked for by the share ``g/(g + k)`` from 0 to 1, g the largest response across: the impulse
+    across grows nearly as that.
+    """
     stiffest = G[4 * first]
     if rows > first + 1:
         stiffest = max(stiffest, G[4 * first + 4])
-    if not strength > 0.0 or not stiffest > 0.0:
-        for i in range(first, rows):
+    pushes = pressing
+    if first == 1:
+        pushes = max(0.0, -b[0] / G[0])
+    low = 0.0
+    below = -strength * pushes
+    high = 1.0
+    above = excess(rows, first, strength, pressing, P)
+    share = begin
+    side = 0
+    if not below < 0.0 or not stiffest > 0.0:
+        high = 0.0
+    while high - low > NEARLY * high:
+        if not (share > low and share < high):
+            share = (low * above - high * below) / (above - below)
+        if not (share > low and share < high):
+            share = 0.5 * (low + high)
+        if not (share > low and share < high):
+            break
+        solve_curbed(rows, first, G, b, stiffest * (1.0 - share) / share, P, A)
+        value = excess(rows, first, strength, pressing, P)
+        if abs(value) <= NEARLY * largest_across(rows, first, P):
+            low = share
+            high = share
+        elif value > 0.0:
+            high = share
+            above = value
+            if side == 1:
+                below = 0.5 * below
+            side = 1
+        else:
+            low = share
+            below = value
+            if side == 2:
+                above = 0.5 * above
+            side = 2
+        share = (low * above - high * below) / (above - below)
+    if not low > 0.0:
+        for i in range(rows):
             P[i] = 0.0
         if first == 1:
-            P[0] = max(0.0, -b[0] / G[0])
+            P[0] = pushes
         return 0.0
-    low = 0.0
-    above = excess(rows, first, strength, pressing, P)
-    high = begin
-    if not high > 0.0:
-        high = stiffest
-    below = INFINITY
-    for _grow in range(MOST_TRIALS):
-        if below > 0.0:
-            solve_curbed(rows, first, G, b, high, P, A)
-            below = excess(rows, first, strength, pressing, P)
-            if below > 0.0:
-                low = high
-                above = below
-                high = GROWTH * high
-    curb = high
-    side = 0
-    for _trial in range(MOST_TRIALS):
-        if abs(below) > 0.0 and high - low > NEARLY * high:
-            curb = (low * below - high * above) / (below - above)
-            if not (curb > low and curb < high):
-                curb = 0.5 * (low + high)
-            solve_curbed(rows, first, G, b, curb, P, A)
-            value = excess(rows, first, strength, pressing, P)
-            if value > 0.0:
-                low = curb
-                above = value
-                if side == 1:
-                    below = 0.5 * below
-                side = 1
-            else:
-                high = curb
-                below = value
-                if side == 2:
-                    above = 0.5 * above
-                side = 2
-            if abs(value) <= NEARLY * excess_size(rows, first, P):
-                low = curb
-                high = curb
-    solve_curbed(rows, first, G, b, high, P, A)
+    solve_curbed(rows, first, G, b, stiffest * (1.0 - low) / low, P, A)
     if first == 1:
         if not P[0] > 0.0 or not is_finite(P[0]):
             for i in range(rows):
                 P[i] = 0.0
-            P[0] = max(0.0, -b[0] / G[0])
-    return high
+            P[0] = pushes
+    return low
