@@ -16,7 +16,35 @@ from symbody.kernels.language import part, sqrt
 MEMORY: Final = 5
 SLIGHT: Final = 1e-12  # added to the diagonal of the normal equations, as a share of their trace
 NOTHING: Final = 1e-13  # share of the largest impulse that is rounding
+BESIDE: Final = 1e-9  # so near to the cone, in squares, a point slips
 WORSE: Final = 4.0  # times as large residuals let what is known be forgotten
+
+
+def move_by_impulses(step: ImpulseStep) -> None:
+    """Set the speeds to those with all impulses."""
+    for i in range(step.speeds):
+        step.moving[i] = step.free[i]
+    for k in range(step.count):
+        point = int(step.active[k])
+        row = int(step.point_first[point])
+        for r in range(int(step.point_rows[point])):
+            add_impulse(step, point, r, step.impulses[row + r], step.moving)
+
+
+def keep_best(step: ImpulseStep) -> None:
+    """Note the impulses before sweeps if they miss their laws by less than all so far."""
+    if step.residual < step.best:
+        step.best = step.residual
+        for i in range(step.acting):
+            step.best_impulses[i] = step.impulses[int(step.acting_rows[i])]
+
+
+def take_best(step: ImpulseStep) -> None:
+    """Go back to the impulses that missed their laws by least."""
+    step.residual = step.best
+    for i in range(step.acting):
+        step.impulses[int(step.acting_rows[i])] = step.best_impulses[i]
+    move_by_impulses(step)
 
 
 def forget_sweeps(step: ImpulseStep) -> None:
@@ -112,6 +140,31 @@ def solve_weights(step: ImpulseStep, count: int) -> int:
     return 1
 
 
+def share_in_cone(step: ImpulseStep, point: int) -> float:
+    """Return the share of the way at which a point that sticks comes to the cone of friction; 1 if none."""
+    row = int(step.point_first[point])
+    strength = step.values[int(step.point_values[point]) + 1]
+    normal = strength * step.impulses[row]
+    change = strength * step.way[row]
+    a = -change * change
+    b = -normal * change
+    c = -normal * normal * (1.0 - BESIDE)
+    for r in range(1, int(step.point_rows[point])):
+        x = step.impulses[row + r]
+        y = step.way[row + r]
+        a = a + y * y
+        b = b + x * y
+        c = c + x * x
+    if not c < 0.0 or a + 2.0 * b + c < 0.0:
+        return 1.0
+    root = sqrt(max(0.0, b * b - a * c))
+    if b < 0.0:
+        return min(1.0, (root - b) / a)
+    if not b + root > 0.0:
+        return 1.0
+    return min(1.0, -c / (b + root))
+
+
 def take_way(step: ImpulseStep) -> int:
     """Go as far as no impulse along a normal becomes negative; return 1 if one comes to zero, else 0."""
     share = 1.0
@@ -124,10 +177,10 @@ def take_way(step: ImpulseStep) -> int:
             if not step.impulses[row] > 0.0:
                 for r in range(int(step.point_rows[point])):
                     step.way[row + r] = 0.0
-            elif step.impulses[row] + step.way[row] < 0.0:
-                share = min(share, -step.impulses[row] / step.way[row])
-    for i in range(step.speeds):
-        step.moving[i] = step.free[i]
+            else:
+                if step.impulses[row] + step.way[row] < 0.0:
+                    share = min(share, -step.impulses[row] / step.way[row])
+                share = min(share, share_in_cone(step, point))
     for k in range(step.count):
         point = int(step.active[k])
         row = int(step.point_first[point])
@@ -137,8 +190,7 @@ def take_way(step: ImpulseStep) -> int:
         if point < step.gaps and step.impulses[row] <= NOTHING * largest:
             for r in range(rows):
                 step.impulses[row + r] = 0.0
-        for r in range(rows):
-            add_impulse(step, point, r, step.impulses[row + r], step.moving)
+    move_by_impulses(step)
     if share < 1.0:
         return 1
     return 0

@@ -83,6 +83,8 @@ class ImpulseStep(RecordLayout):
     last_change: Reals = pointer("rows")
     way: Reals = pointer("rows")
     history: Reals = pointer("rows", 10)  # by pairs: how changes, and ends of sweeps, have differed
+    best_impulses: Reals = pointer("rows")
+    best: float  # their residual
     normal_matrix: Reals = pointer(25)
     weights: Reals = pointer(5)
     known: int

@@ -9,7 +9,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.impulses.impulse_acceleration import accelerate, forget_sweeps, keep_start
+from symbody.kernels.impulses.impulse_acceleration import (
+    accelerate,
+    forget_sweeps,
+    keep_best,
+    keep_start,
+    take_best,
+)
 from symbody.kernels.impulses.impulse_responses import add_impulse, answer_to_point, row_rate
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.impulses.point_impulse import solve_point
@@ -69,6 +75,7 @@ def sweep_points(step: ImpulseStep, h: float) -> None:
     goal = step.tolerance * step.scale
     forget_sweeps(step)
     step.residual = INFINITY
+    step.best = INFINITY
     left = step.sweeps
     while left > 0 and step.residual > goal:
         keep_start(step)
@@ -81,8 +88,12 @@ def sweep_points(step: ImpulseStep, h: float) -> None:
             for k in range(step.count - 1, -1, -1):
                 sweep_point(step, int(step.active[k]), h)
             left = left - 1
+        if step.residual > goal:
+            keep_best(step)
         if left > 0 and step.residual > goal:
             accelerate(step)
+    if step.residual > goal and step.best < step.residual:
+        take_best(step)
     step.swept = step.swept + float(step.sweeps - left)
 
 
