@@ -11,12 +11,12 @@ from typing import Final
 
 from symbody.kernels.impulses.impulse_responses import add_impulse
 from symbody.kernels.impulses.impulse_step import ImpulseStep
-from symbody.kernels.language import part, sqrt
+from symbody.kernels.language import half, part, sqrt
 
 MEMORY: Final = 5
 SLIGHT: Final = 1e-12  # added to the diagonal of the normal equations, as a share of their trace
 NOTHING: Final = 1e-13  # share of the largest impulse that is rounding
-BESIDE: Final = 1e-9  # so near to the cone, in squares, a point slips
+PERIOD: Final = 64  # turns: what is hard for extrapolations may be easy without, and the other way round
 WORSE: Final = 4.0  # times as large residuals let what is known be forgotten
 
 
@@ -83,6 +83,13 @@ def accelerate(step: ImpulseStep) -> None:
         step.slot = 0
     step.known = min(step.known + 1, MEMORY)
     count = step.known
+    step.turn_count = step.turn_count + 1
+    half_period = half(step.turn_count)
+    if 2 * half_period != step.turn_count or step.turn_count > PERIOD:
+        if step.turn_count == 2 * PERIOD:
+            step.turn_count = 0
+            forget_sweeps(step)
+        return
     if solve_weights(step, count) == 0:
         forget_sweeps(step)
         return
@@ -140,29 +147,17 @@ def solve_weights(step: ImpulseStep, count: int) -> int:
     return 1
 
 
-def share_in_cone(step: ImpulseStep, point: int) -> float:
-    """Return the share of the way at which a point that sticks comes to the cone of friction; 1 if none."""
+def return_to_cone(step: ImpulseStep, point: int) -> None:
+    """Shorten an impulse across the normal that is beyond what friction can do."""
     row = int(step.point_first[point])
-    strength = step.values[int(step.point_values[point]) + 1]
-    normal = strength * step.impulses[row]
-    change = strength * step.way[row]
-    a = -change * change
-    b = -normal * change
-    c = -normal * normal * (1.0 - BESIDE)
+    bound = step.values[int(step.point_values[point]) + 2] * step.impulses[row]
+    total = 0.0
     for r in range(1, int(step.point_rows[point])):
-        x = step.impulses[row + r]
-        y = step.way[row + r]
-        a = a + y * y
-        b = b + x * y
-        c = c + x * x
-    if not c < 0.0 or a + 2.0 * b + c < 0.0:
-        return 1.0
-    root = sqrt(max(0.0, b * b - a * c))
-    if b < 0.0:
-        return min(1.0, (root - b) / a)
-    if not b + root > 0.0:
-        return 1.0
-    return min(1.0, -c / (b + root))
+        total = total + step.impulses[row + r] * step.impulses[row + r]
+    if total > bound * bound:
+        share = bound / sqrt(total)
+        for r in range(1, int(step.point_rows[point])):
+            step.impulses[row + r] = step.impulses[row + r] * share
 
 
 def take_way(step: ImpulseStep) -> int:
@@ -177,19 +172,19 @@ def take_way(step: ImpulseStep) -> int:
             if not step.impulses[row] > 0.0:
                 for r in range(int(step.point_rows[point])):
                     step.way[row + r] = 0.0
-            else:
-                if step.impulses[row] + step.way[row] < 0.0:
-                    share = min(share, -step.impulses[row] / step.way[row])
-                share = min(share, share_in_cone(step, point))
+            elif step.impulses[row] + step.way[row] < 0.0:
+                share = min(share, -step.impulses[row] / step.way[row])
     for k in range(step.count):
         point = int(step.active[k])
         row = int(step.point_first[point])
         rows = int(step.point_rows[point])
         for r in range(rows):
             step.impulses[row + r] = step.impulses[row + r] + share * step.way[row + r]
-        if point < step.gaps and step.impulses[row] <= NOTHING * largest:
-            for r in range(rows):
-                step.impulses[row + r] = 0.0
+        if point < step.gaps:
+            if step.impulses[row] <= NOTHING * largest:
+                for r in range(rows):
+                    step.impulses[row + r] = 0.0
+            return_to_cone(step, point)
     move_by_impulses(step)
     if share < 1.0:
         return 1

@@ -89,6 +89,7 @@ class ImpulseStep(RecordLayout):
     weights: Reals = pointer(5)
     known: int
     slot: int
+    turn_count: int
     has_last: float
     residual_before: float
     block: Reals = pointer("block_room")

@@ -74,6 +74,7 @@ def sweep_points(step: ImpulseStep, h: float) -> None:
     """Sweep over the points, forth and back, until the residual is within the tolerance."""
     goal = step.tolerance * step.scale
     forget_sweeps(step)
+    step.turn_count = 0
     step.residual = INFINITY
     step.best = INFINITY
     left = step.sweeps

@@ -82,7 +82,7 @@ class MoreauJean:
 
     step: float
     tolerance: float = 1e-10
-    sweeps: int = 2000
+    sweeps: int = 1000
 
     def __post_init__(self) -> None:
         problems = [
@@ -90,7 +90,7 @@ class MoreauJean:
                     f"give a positive number, such as {name}={example}")
             for name, value, example in (
                 ("step", self.step, "1e-3"), ("tolerance", self.tolerance, "1e-10"),
-                ("sweeps", self.sweeps, "2000"),
+                ("sweeps", self.sweeps, "1000"),
             )
             if not (value > 0 and math.isfinite(value))
         ]  # fmt: skip
