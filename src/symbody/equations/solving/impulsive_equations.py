@@ -108,7 +108,7 @@ def _impulsive_equations(eqs: EquationSet) -> ImpulsiveEquations:
     smooth = {law.name: -(law.slip * law.strength) for law in formed.friction if not law.switches}
     rows = [point.row for point in points if point.row is not None]
     idle = {name: zero for name in (*(row.name for row in rows), *(law.name for law in formed.friction))}
-    free = replace(loose.with_rows(loose.rows), given={**idle, **smooth})
+    free = replace(loose.with_rows(loose.rows), slack=(), given={**idle, **smooth})
     roots, pattern = response_roots(free, points)
     own = [name for point in points for name in _effort_names(point)]
     inputs = [Symbol(name, SymbolKind.INPUT) for name in free_names(formed, own, "effort_")]
