@@ -26,10 +26,12 @@ from symbody.equations.solving.impulsive_equations import (
     impulsive_equations,
 )
 from symbody.errors import Problem, UsageError
+from symbody.expr.rewrite import symbols_of
 from symbody.kernels.impulses.impulse_machine import ENTRY
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.pack import pack
 from symbody.model.first_values import FirstValue
+from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import PlannedJumps
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.motion import Motion
@@ -315,10 +317,28 @@ def with_impulses(motion: Motion) -> Motion:
                     "give joints friction as a force, and rigid contacts friction without v0; or leave the "
                     "integrator out")
         )  # fmt: skip
+    problems += [_effort_event(event) for event in motion.events if _reads_efforts(motion.eqs, event)]
     if problems:
         raise UsageError(*problems)
     impulses = ImpulsiveContacts(motion.problem)
     return replace(motion, problem=impulses.problem, impulses=impulses)
+
+
+def _reads_efforts(eqs: EquationSet, event: Event) -> bool:
+    """Return whether the value or the actions of an event depend on what impulses are over a step."""
+    made = impulsive_equations(eqs)
+    graph, own = made.eqs.formed.graph, frozenset(made.inputs)
+    words = [str(event.expression), *map(str, event.mapping.values())]
+    nodes = [node for word in words for node in made.eqs.roots(word).nodes]
+    return any(graph.symbols[graph.left[node]].name in own for node in symbols_of(graph, nodes))
+
+
+def _effort_event(event: Event) -> Problem:
+    return Problem(
+        "simulation.impulse_event", f"event {event.label!r}", "it depends on forces of gaps or of friction",
+        "sb.MoreauJean() knows these as means over its steps alone, when a step has been taken",
+        "watch gaps, positions or speeds; or look for it in the samples of the run",
+    )  # fmt: skip
 
 
 def check_jumps(jumps: PlannedJumps) -> None:
