@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from symbody.kernels.impulses.point_impulse import solve_point
+from symbody.kernels.impulses.point_impulse import SCRATCH, solve_point
 from symbody.kernels.language import Reals
 from symbody.model.contacts.contact_shapes import PAIRS
 from symbody.tolerances import CLOSED
@@ -269,7 +269,7 @@ def scene(seed: int, *, shuffled: bool = False) -> tuple[sb.Model, dict[str, flo
         mus[name] = chance.uniform(0.1, 0.9)
         contacts.append(
             sb.Contact(
-                name, *sides, list(shapes), normal="rigid", restitution=chance.uniform(0, 0.6),
+                name, sides[0], sides[1], list(shapes), normal="rigid", restitution=chance.uniform(0, 0.6),
                 friction=sb.Friction(mu=mus[name]),
             )
         )  # fmt: skip
@@ -379,7 +379,7 @@ def test_a_point_obeys_coulombs_law(seed: int) -> None:
     P = Reals([0.0] * 3)
     share = solve_point(
         3, 1, mu, mu, 0.0, Reals(response.ravel().tolist()), Reals(b.tolist()),
-        float(rng.choice([0.0, 1e-200, 0.3, 1.0])), P, Reals([0.0] * 9),
+        float(rng.choice([0.0, 1e-200, 0.3, 1.0])), P, Reals([0.0] * SCRATCH),
     )  # fmt: skip
     impulse = np.array([P[k] for k in range(3)])
     rate = b + response @ impulse

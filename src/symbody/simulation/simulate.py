@@ -127,7 +127,9 @@ def simulate(
     with show_progress(progress, "motion") as show:
         given: Any = {"parameters": parameters, "inputs": laws.formulas, "t": span[0], "scales": scales}
         is_impulsive = isinstance(integrator, MoreauJean)
-        first = assemble_open(eqs, exact, near, **given) if is_impulsive else assemble(eqs, exact, near, **given)
+        first = (
+            assemble_open(eqs, exact, near, **given) if is_impulsive else assemble(eqs, exact, near, **given)
+        )
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
         notes = _input_notes(problem, inputs, atol, rtol) + start_notes(problem, first, {**near, **exact})

@@ -147,12 +147,12 @@ def rigid_force(formed: EquationsOfMotion, contact: str) -> list[Expr]:
         if law.owner == contact:
             place = "xy".index(law.name[-1])
             force[place] = force[place] + _effort(law)
-    for _, effort in _pressing(formed, contact):
+    for _, effort in _acting_rows(formed, contact):
         force[2] = force[2] + effort
     return force
 
 
-def _pressing(formed: EquationsOfMotion, contact: str) -> list[tuple[ConstraintEquation, Expr]]:
+def _acting_rows(formed: EquationsOfMotion, contact: str) -> list[tuple[ConstraintEquation, Expr]]:
     """Return the rows of a rigid contact that act, each with the force along the normal."""
     own = [(row, effort_of(row)) for row in formed.rows if row.element == contact and row.sense]
     return own + [(row, effort * row.sense) for row, effort in formed.given_rows if row.element == contact]
@@ -161,7 +161,7 @@ def _pressing(formed: EquationsOfMotion, contact: str) -> list[tuple[ConstraintE
 def rigid_point(formed: EquationsOfMotion, contact: str) -> list[Expr]:
     """Return where the force of a rigid contact acts, from start's origin in its axes."""
     measures = formed.loads.measures
-    pressing = _pressing(formed, contact)
+    pressing = _acting_rows(formed, contact)
     return [
         centre_of_pressure(
             [effort for _, effort in pressing],

@@ -118,7 +118,9 @@ def _impulsive_equations(eqs: EquationSet) -> ImpulsiveEquations:
         given[row.name] = given[row.name] * row.sense
     acting = _with_efforts(loose, points, given)
     symbols = {**formed.names.symbols, **{each.name: each for each in inputs}}
-    known = Names(formed.names.graph, symbols, {**acting.names.values, **{row.name: given[row.name] for row in rows}})
+    known = Names(
+        formed.names.graph, symbols, {**acting.names.values, **{row.name: given[row.name] for row in rows}}
+    )
     acting = replace(acting, names=known, inputs=(*formed.inputs, *inputs))
     return ImpulsiveEquations(
         EquationSet(eqs.model, free, eqs.notes, {each.name: each for each in roots}),
@@ -211,9 +213,10 @@ def _rates(free: EquationsOfMotion, point: ImpulsePoint) -> Iterator[tuple[Expr,
     """Yield the rates along the rows of a point: without speeds, and the slopes by these."""
     kinematics = free.kinematics
     if point.row is not None:
-        yield point.row.drift * point.row.sense, {
-            u: slope * point.row.sense for u, slope in point.row.jacobian.items()
-        }
+        yield (
+            point.row.drift * point.row.sense,
+            {u: slope * point.row.sense for u, slope in point.row.jacobian.items()},
+        )
     for law in point.laws:
         yield kinematics.at_zero_speeds(law.rate), kinematics.speed_partials(law.rate)
 
@@ -251,5 +254,3 @@ def friction_of_reactions(formed: EquationsOfMotion) -> list[str]:
     return list(dict.fromkeys(
         law.owner for law in formed.friction if law.reads_reaction and not (law.switches and law.touch)
     ))  # fmt: skip
-
-

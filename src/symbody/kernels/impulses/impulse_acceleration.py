@@ -11,7 +11,8 @@ from typing import Final
 
 from symbody.kernels.impulses.impulse_responses import add_impulse
 from symbody.kernels.impulses.impulse_step import ImpulseStep
-from symbody.kernels.language import half, part, sqrt
+from symbody.kernels.language import Reals, half, part, sqrt
+from symbody.kernels.linear.cholesky import factor_positive, solve_positive
 
 MEMORY: Final = 5
 SLIGHT: Final = 1e-12  # added to the diagonal of the normal equations, as a share of their trace
@@ -62,11 +63,23 @@ def keep_start(step: ImpulseStep) -> None:
 
 
 def accelerate(step: ImpulseStep) -> None:
-    """Extrapolate the impulses from what sweeps have changed."""
-    n = step.acting
+    """Extrapolate the impulses from what sweeps have changed, every other turn."""
     if step.residual > WORSE * step.residual_before and step.residual_before > 0.0:
         forget_sweeps(step)
     step.residual_before = step.residual
+    if note_changes(step) == 0:
+        return
+    step.turn_count = step.turn_count + 1
+    if step.turn_count == 2 * PERIOD:
+        step.turn_count = 0
+        forget_sweeps(step)
+    elif step.turn_count <= PERIOD and 2 * half(step.turn_count) == step.turn_count:
+        extrapolate(step)
+
+
+def note_changes(step: ImpulseStep) -> int:
+    """Note what sweeps have changed; return 0 if there is nothing to compare it with, else 1."""
+    n = step.acting
     differences = part(step.history, 2 * n * step.slot, 2 * n)
     for i in range(n):
         change = step.impulses[int(step.acting_rows[i])] - step.start[i]
@@ -77,74 +90,54 @@ def accelerate(step: ImpulseStep) -> None:
         step.last_start[i] = step.start[i]
     if step.has_last == 0.0:
         step.has_last = 1.0
-        return
+        return 0
+    step.known = min(step.known + 1, MEMORY)
     step.slot = step.slot + 1
     if step.slot == MEMORY:
         step.slot = 0
-    step.known = min(step.known + 1, MEMORY)
+    return 1
+
+
+def extrapolate(step: ImpulseStep) -> None:
+    """Go to where the last change, combined with the differences that are known, would be least."""
+    n = step.acting
     count = step.known
-    step.turn_count = step.turn_count + 1
-    half_period = half(step.turn_count)
-    if 2 * half_period != step.turn_count or step.turn_count > PERIOD:
-        if step.turn_count == 2 * PERIOD:
-            step.turn_count = 0
-            forget_sweeps(step)
-        return
-    if solve_weights(step, count) == 0:
+    fill_equations(step, count)
+    if factor_positive(count, step.normal_matrix) == 0:
         forget_sweeps(step)
         return
+    solve_positive(count, step.normal_matrix, step.weights)
     for i in range(n):
         total = 0.0
         for j in range(count):
             total = total - step.weights[j] * step.history[2 * n * j + n + i]
         step.way[int(step.acting_rows[i])] = total
-    if take_way(step) == 1:
+    share = share_of_way(step)
+    take_way(step, share)
+    if share < 1.0:
         forget_sweeps(step)
 
 
-def solve_weights(step: ImpulseStep, count: int) -> int:
-    """Find the combination of differences that lies nearest to the last change; return 0 if there is none."""
+def fill_equations(step: ImpulseStep, count: int) -> None:
+    """Write the normal equations of the combination of differences that lies nearest to the last change."""
     n = step.acting
-    A = step.normal_matrix
-    y = step.weights
     trace = 0.0
     for i in range(count):
         first = part(step.history, 2 * n * i, n)
         for j in range(i + 1):
-            second = part(step.history, 2 * n * j, n)
-            total = 0.0
-            for k in range(n):
-                total = total + first[k] * second[k]
-            A[MEMORY * i + j] = total
-        total = 0.0
-        for k in range(n):
-            total = total + first[k] * step.last_change[k]
-        y[i] = total
-        trace = trace + A[MEMORY * i + i]
+            step.normal_matrix[count * i + j] = inner(n, first, part(step.history, 2 * n * j, n))
+        step.weights[i] = inner(n, first, step.last_change)
+        trace = trace + step.normal_matrix[count * i + i]
     for i in range(count):
-        A[MEMORY * i + i] = A[MEMORY * i + i] + SLIGHT * trace
-    for i in range(count):
-        for j in range(i + 1):
-            total = A[MEMORY * i + j]
-            for k in range(j):
-                total = total - A[MEMORY * i + k] * A[MEMORY * j + k]
-            if i == j:
-                if not total > 0.0:
-                    return 0
-                A[MEMORY * i + i] = sqrt(total)
-            else:
-                A[MEMORY * i + j] = total / A[MEMORY * j + j]
-    for i in range(count):
-        total = y[i]
-        for k in range(i):
-            total = total - A[MEMORY * i + k] * y[k]
-        y[i] = total / A[MEMORY * i + i]
-    for i in range(count - 1, -1, -1):
-        total = y[i]
-        for k in range(i + 1, count):
-            total = total - A[MEMORY * k + i] * y[k]
-        y[i] = total / A[MEMORY * i + i]
-    return 1
+        step.normal_matrix[count * i + i] = step.normal_matrix[count * i + i] + SLIGHT * trace
+
+
+def inner(n: int, x: Reals, y: Reals) -> float:
+    """Return an inner product."""
+    total = 0.0
+    for i in range(n):
+        total = total + x[i] * y[i]
+    return total
 
 
 def return_to_cone(step: ImpulseStep, point: int) -> None:
@@ -160,32 +153,34 @@ def return_to_cone(step: ImpulseStep, point: int) -> None:
             step.impulses[row + r] = step.impulses[row + r] * share
 
 
-def take_way(step: ImpulseStep) -> int:
-    """Go as far as no impulse along a normal becomes negative; return 1 if one comes to zero, else 0."""
+def share_of_way(step: ImpulseStep) -> float:
+    """Return how far one can go until an impulse along a normal comes to zero; points without stay there."""
     share = 1.0
-    largest = 0.0
     for k in range(step.count):
         point = int(step.active[k])
         row = int(step.point_first[point])
         if point < step.gaps:
-            largest = max(largest, step.impulses[row])
             if not step.impulses[row] > 0.0:
                 for r in range(int(step.point_rows[point])):
                     step.way[row + r] = 0.0
             elif step.impulses[row] + step.way[row] < 0.0:
                 share = min(share, -step.impulses[row] / step.way[row])
+    return share
+
+
+def take_way(step: ImpulseStep, share: float) -> None:
+    """Change the impulses by a share of the way, within cones of friction, and the speeds with them."""
+    largest = 0.0
+    for i in range(step.acting):
+        row = int(step.acting_rows[i])
+        largest = max(largest, abs(step.impulses[row]))
+        step.impulses[row] = step.impulses[row] + share * step.way[row]
     for k in range(step.count):
         point = int(step.active[k])
         row = int(step.point_first[point])
-        rows = int(step.point_rows[point])
-        for r in range(rows):
-            step.impulses[row + r] = step.impulses[row + r] + share * step.way[row + r]
         if point < step.gaps:
             if step.impulses[row] <= NOTHING * largest:
-                for r in range(rows):
+                for r in range(int(step.point_rows[point])):
                     step.impulses[row + r] = 0.0
             return_to_cone(step, point)
     move_by_impulses(step)
-    if share < 1.0:
-        return 1
-    return 0

@@ -41,6 +41,15 @@ def measure_gaps(e: Function, run: Run, step: ImpulseStep, t: float, x: Reals) -
     return all_finite(step.gaps, step.widths)
 
 
+def measure_responses(d: Function, run: Run, step: ImpulseStep, t: float, x: Reals) -> int:
+    """Compute how points are moved at a state; return 0 if that fails."""
+    if call(d, step.speeds, step.response_numbers, t, x, step.values) != 0:
+        run.counts.failed_kernel = 1
+        return 0
+    forget_responses(step)
+    return all_finite(step.values_size, step.values)
+
+
 def choose_points(step: ImpulseStep, wanted: float) -> int:
     """Let points act whose gaps are below some closed ones, and all without gaps; return how many join."""
     joined = 0
@@ -84,7 +93,7 @@ def move_coordinates(
     stage = run.stage
     for i in range(n_u):
         stage[i] = run.state_old[i] + 0.5 * h * run.slopes[i] + 0.5 * (step.moving[i] - step.free[i])
-        stage[i] = stage[i] + step.shift[i] / h
+        stage[i] = stage[i] + step.shifts[i] / h
     if call(k, n_u, step.rate_numbers, t, stage, step.turn) != 0:
         run.counts.failed_kernel = 1
         return 0
@@ -122,7 +131,7 @@ def attempt_impulses(
     for i in range(n_u):
         step.free[i] = new[i]
         step.moving[i] = new[i]
-        step.shift[i] = 0.0
+        step.shifts[i] = 0.0
     for i in range(step.points):
         step.acts[i] = 0.0
     step.count = 0
@@ -143,12 +152,8 @@ def touch(
     """Find impulses, and displacements where gaps stay negative; return 0 if there are none."""
     middle = run.time + 0.5 * h
     n = step.states
-    if call(d, step.speeds, step.response_numbers, middle, run.stage, step.values) != 0:
-        run.counts.failed_kernel = 1
+    if measure_responses(d, run, step, middle, run.stage) == 0:
         return 0
-    if all_finite(step.values_size, step.values) == 0:
-        return 0
-    forget_responses(step)
     start_impulses(step)
     joined = 1
     for turn in range(MOST_ROUNDS):
@@ -161,27 +166,42 @@ def touch(
             if turn + 1 < MOST_ROUNDS:
                 joined = choose_points(step, -1.0)
     run.state_new[n - 1] = run.state_new[n - 1] + work_of_impulses(step, step.before)
-    return push_back(k, e, g, run, step, h)
+    return push_back(k, e, d, g, run, step, h)
 
 
-def push_back(k: Function, e: Function, g: Function, run: Run, step: ImpulseStep, h: float) -> int:
-    """Close gaps that are negative by displacements of least kinetic energy; return 0 if that fails."""
-    for _turn in range(MOST_ROUNDS):
+def push_back(
+    k: Function, e: Function, d: Function, g: Function, run: Run, step: ImpulseStep, h: float
+) -> int:  # fmt: skip
+    """Close gaps that are negative by displacements of least kinetic energy; return 0 if that fails.
+
+    From the second one on directions are those behind the one before: shapes may touch elsewhere there.
+    """
+    for turn in range(MOST_ROUNDS):
         if overlap(step) > 1.0:
-            choose_points(step, -1.0)
-            for i in range(step.speeds):
-                step.nudge[i] = 0.0
-            for i in range(step.count):
-                if answer_to_point(step, int(step.active[i])) == 0:
+            if turn > 0:
+                if measure_responses(d, run, step, run.time + h, run.state_new) == 0:
                     return 0
-                step.pushes[int(step.active[i])] = 0.0
-            for _sweep in range(MOST_PUSHES):
-                if push_points(step) <= PUSHED:
-                    break
-            for i in range(step.speeds):
-                step.shift[i] = step.shift[i] + step.nudge[i]
+            if displace(step) == 0:
+                return 0
             if move_coordinates(k, e, g, run, step, run.time + 0.5 * h, h) == 0:
                 return 0
+    return 1
+
+
+def displace(step: ImpulseStep) -> int:
+    """Find the displacements that open gaps; return 0 if speeds do not answer to impulses."""
+    choose_points(step, -1.0)
+    for i in range(step.speeds):
+        step.nudge[i] = 0.0
+    for i in range(step.count):
+        if answer_to_point(step, int(step.active[i])) == 0:
+            return 0
+        step.pushes[int(step.active[i])] = 0.0
+    for _sweep in range(MOST_PUSHES):
+        if push_points(step) <= PUSHED:
+            break
+    for i in range(step.speeds):
+        step.shifts[i] = step.shifts[i] + step.nudge[i]
     return 1
 
 
@@ -252,7 +272,7 @@ def note_step(run: Run, step: ImpulseStep, h: float, S: Reals, Z: Reals) -> None
         step.deepest_time = run.t_new
 
 
-def finish_step(f: Function, g: Function, run: Run, step: ImpulseStep) -> int:
+def finish_impulses(f: Function, g: Function, run: Run, step: ImpulseStep) -> int:
     """Close constraints at the end of a step and compute the slopes there; return 0 if that fails.
 
     For what lies between the ends speeds, and the work, change evenly: they jump nowhere.
@@ -291,7 +311,7 @@ def try_impulses(
         return failure(run)
     if attempt_impulses(f, k, e, d, g, run, step, h) == 0:
         return failure(run)
-    if finish_step(f, g, run, step) == 0:
+    if finish_impulses(f, g, run, step) == 0:
         return failure(run)
     if keep_step(f, g, run, 0.0, times, t, x, breaks, pieces) > 0.0:
         return failure(run)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from symbody.kernels.impulses.impulse_step import ImpulseStep
-from symbody.kernels.language import Reals, part, sqrt
+from symbody.kernels.language import Reals, part
+from symbody.kernels.linear.cholesky import factor_positive, solve_positive
 from symbody.kernels.linear.solve_saddle import solve_saddle
 
 
@@ -40,7 +41,9 @@ def answer_to_point(step: ImpulseStep, point: int) -> int:
             if invert_block(step, block) == 0:
                 return 0
             n = int(step.block_sizes[block])
-            column = part(step.responses, int(step.block_responses[block]) + int(step.local_places[speed]) * n, n)
+            column = part(
+                step.responses, int(step.block_responses[block]) + int(step.local_places[speed]) * n, n
+            )
             for k in range(size):
                 other = int(places[k])
                 if int(step.owners[other]) == block:
@@ -101,36 +104,20 @@ def invert_block(step: ImpulseStep, block: int) -> int:
 
 
 def invert_mass(n: int, M: Reals, inverse: Reals, L: Reals) -> int:
-    """Set `inverse` to that of M (n, n), by the factors L of Cholesky; return 0 if M is not positive."""
+    """Set `inverse` to that of M (n, n); return 0 if M is not positive definite. L is scratch (n, n)."""
+    for i in range(n * n):
+        L[i] = M[i]
+        inverse[i] = 0.0
+    if factor_positive(n, L) == 0:
+        return 0
     for i in range(n):
-        for j in range(i + 1):
-            total = M[i * n + j]
-            for k in range(j):
-                total = total - L[i * n + k] * L[j * n + k]
-            if i == j:
-                if not total > 0.0:
-                    return 0
-                L[i * n + i] = sqrt(total)
-            else:
-                L[i * n + j] = total / L[j * n + j]
-    for c in range(n):
-        column = part(inverse, c * n, n)
-        for i in range(n):
-            total = 0.0
-            if i == c:
-                total = 1.0
-            for k in range(i):
-                total = total - L[i * n + k] * column[k]
-            column[i] = total / L[i * n + i]
-        for i in range(n - 1, -1, -1):
-            total = column[i]
-            for k in range(i + 1, n):
-                total = total - L[k * n + i] * column[k]
-            column[i] = total / L[i * n + i]
+        column = part(inverse, i * n, n)
+        column[i] = 1.0
+        solve_positive(n, L, column)
     return 1
 
 
-def row_rate(step: ImpulseStep, row: int, u: Reals) -> float:
+def rate_along(step: ImpulseStep, row: int, u: Reals) -> float:
     """Return the rate along a row with some speeds."""
     count = int(step.slope_sizes[row])
     first = int(step.row_values[row])
@@ -154,4 +141,4 @@ def add_impulse(step: ImpulseStep, point: int, r: int, impulse: float, u: Reals)
 
 def row_change(step: ImpulseStep, row: int, u: Reals) -> float:
     """Return the rate along a row with some changes of speeds."""
-    return row_rate(step, row, u) - step.values[int(step.row_values[row])]
+    return rate_along(step, row, u) - step.values[int(step.row_values[row])]

@@ -75,7 +75,7 @@ class ImpulseStep(RecordLayout):
     middle: Reals = pointer("states")
     slopes_end: Reals = pointer("states")
     pushes: Reals = pointer("points")  # displacements that bring gaps back
-    shift: Reals = pointer("speeds")  # and what they make of coordinates
+    shifts: Reals = pointer("speeds")  # and what they make of coordinates
     nudge: Reals = pointer("speeds")
     local: Reals = pointer(32)
     start: Reals = pointer("rows")  # impulses before sweeps, and where these have led

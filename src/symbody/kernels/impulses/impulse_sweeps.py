@@ -16,9 +16,9 @@ from symbody.kernels.impulses.impulse_acceleration import (
     keep_start,
     take_best,
 )
-from symbody.kernels.impulses.impulse_responses import add_impulse, answer_to_point, row_rate
+from symbody.kernels.impulses.impulse_responses import add_impulse, answer_to_point, rate_along
 from symbody.kernels.impulses.impulse_step import ImpulseStep
-from symbody.kernels.impulses.point_impulse import solve_point
+from symbody.kernels.impulses.point_impulse import SCRATCH, solve_point, stiffest_across
 from symbody.kernels.language import INFINITY, Reals, is_finite, part, sqrt
 
 LEAST_SHARE: Final = 1e-3  # of restitution
@@ -60,8 +60,8 @@ def prepare_points(step: ImpulseStep, old: Reals) -> int:
         first = int(step.point_first[point])
         for r in range(int(step.point_rows[point])):
             row = first + r
-            step.before[row] = row_rate(step, row, old)
-            step.without[row] = row_rate(step, row, step.free)
+            step.before[row] = rate_along(step, row, old)
+            step.without[row] = rate_along(step, row, step.free)
             step.scale = max(step.scale, max(abs(step.before[row]), abs(step.without[row])))
             add_impulse(step, point, r, step.impulses[row], step.moving)
             step.acting_rows[acting] = float(row)
@@ -105,20 +105,18 @@ def sweep_point(step: ImpulseStep, point: int, h: float) -> None:
     G = part(step.own, 9 * point, 9)
     b = part(step.local, 0, 3)
     P = part(step.local, 3, 3)
-    A = part(step.local, 6, 9)
-    rates = part(step.local, 15, 3)
+    rates = part(step.local, 6, 3)
+    A = part(step.local, 9, SCRATCH)
     values = part(step.values, int(step.point_values[point]), 3)
     gap = 0
     if point < step.gaps:
         gap = 1
     for r in range(rows):
-        rates[r] = row_rate(step, first + r, step.moving)
+        rates[r] = rate_along(step, first + r, step.moving)
     if gap == 1:
         rates[0] = rates[0] + step.share * values[0] * step.before[first]
     impulses = part(step.impulses, first, rows)
-    step.residual = max(
-        step.residual, point_residual(rows, gap, values[1], values[2], h, G, rates, impulses)
-    )
+    step.residual = max(step.residual, point_residual(rows, gap, values[1], values[2], h, G, rates, impulses))
     for r in range(rows):
         b[r] = rates[r]
         for s in range(rows):
@@ -144,9 +142,7 @@ def point_residual(
             residual = abs(impulses[0] - max(0.0, impulses[0] - rates[0] / G[0])) * G[0]
     if rows == gap:
         return residual
-    stiffest = G[4 * gap]
-    if rows > gap + 1:
-        stiffest = max(stiffest, G[4 * gap + 4])
+    stiffest = stiffest_across(rows, gap, G)
     if not stiffest > 0.0:
         return residual
     missed = friction_residual(rows, gap, strength * pressing, stiffest, rates, impulses)
@@ -181,7 +177,7 @@ def work_of_impulses(step: ImpulseStep, first_rates: Reals) -> float:
         point = int(step.active[k])
         first = int(step.point_first[point])
         for row in range(first, first + int(step.point_rows[point])):
-            rate = row_rate(step, row, step.moving)
+            rate = rate_along(step, row, step.moving)
             total = total + 0.5 * step.impulses[row] * (rate + first_rates[row])
     return total
 

@@ -19,7 +19,6 @@ from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.solving.impulsive_equations import (
     GAPS,
-    RESPONSES,
     ImpulsePoint,
     ResponsePattern,
     friction_of_reactions,
@@ -53,8 +52,14 @@ class ImpulseRecord:
 
     Parameters
     ----------
-    places : mapping of str to (int, int)
-        The point of each input, and which of its rows it is.
+    points : sequence of ImpulsePoint
+    names : sequence of str
+        Of the inputs, by point and row.
+
+    Attributes
+    ----------
+    starts, entries : (room, 2), (room, 4) arrays
+        What `kernels.impulses.impulse_machine.note_step` writes.
     """
 
     def __init__(self, points: Sequence[ImpulsePoint], names: Sequence[str]) -> None:
@@ -141,7 +146,9 @@ class ImpulsiveContacts:
         """Return a problem with inputs as they are at present, without efforts."""
         own = frozenset(self._made.inputs)
         kept = {name: law for name, law in problem.laws.callbacks.items() if name not in own}
-        return replace(problem, eqs=self._made.free, laws=replace(problem.laws, callbacks=kept), permanent=None)
+        return replace(
+            problem, eqs=self._made.free, laws=replace(problem.laws, callbacks=kept), permanent=None
+        )
 
     @property
     def step(self) -> ImpulseStep:
@@ -172,7 +179,9 @@ class ImpulsiveContacts:
     def make_room(self) -> None:
         """Make room for one more step."""
         step = self.step
-        while step.steps + 1 > len(self.record.starts) or step.recorded + step.points > len(self.record.entries):
+        while step.steps + 1 > len(self.record.starts) or step.recorded + step.points > len(
+            self.record.entries
+        ):
             self.record.grow()
         step.step_room, step.entry_room = len(self.record.starts), len(self.record.entries)
 
@@ -189,9 +198,9 @@ class ImpulsiveContacts:
         )
         if step.missed:
             yield (
-                f"in {step.missed:g} steps, the first at t = {step.missed_time:.6g} s, the impulses miss their "
-                f"laws by more than the tolerance, at most by {step.worst:.2g} of the fastest rate: take "
-                f"shorter steps, or allow more sweeps"
+                f"in {step.missed:g} steps, the first at t = {step.missed_time:.6g} s, the impulses miss "
+                f"their laws by more than the tolerance, at most by {step.worst:.2g} of the fastest rate: "
+                f"take shorter steps, or allow more sweeps"
             )
         if step.lowered:
             yield f"in {step.lowered:g} steps restitution was lowered so that impulses do no work"
@@ -217,18 +226,18 @@ def impulse_array(
     """Return the array of an `ImpulseStep` along whose motion no step has been taken."""
     eqs = problem.eqs
     speeds = len(eqs.speed_names)
-    sizes = [len(own) for own, _ in pattern.blocks]
+    sizes = [len(connected) for connected, _ in pattern.blocks]
     rows_of_blocks = [len(rows) for _, rows in pattern.blocks]
     block_lengths = [n * n + m * n for n, m in zip(sizes, rows_of_blocks, strict=True)]
     owners, local = np.zeros(speeds), np.zeros(speeds)
-    for k, (own, _) in enumerate(pattern.blocks):
-        owners[list(own)], local[list(own)] = k, np.arange(len(own))
+    for k, (connected, _) in enumerate(pattern.blocks):
+        owners[list(connected)], local[list(connected)] = k, np.arange(len(connected))
     counts = [_row_count(point) for point in points]
     row_first = _starts(counts)
     slope_sizes = [len(each) for each in pattern.slopes]
     row_values = _starts([1 + size for size in slope_sizes]) + sum(block_lengths)
     laws_at = int(sum(block_lengths)) + sum(slope_sizes) + len(slope_sizes)
-    shared = [_shared(pattern, owners, int(a), n) for a, n in zip(row_first, counts, strict=True)]
+    shared = [_answering_speeds(pattern, owners, int(a), n) for a, n in zip(row_first, counts, strict=True)]
     gaps = [point for point in points if point.row is not None]
     widest = max(((n, m) for n, m in zip(sizes, rows_of_blocks, strict=True)), default=(0, 0), key=_room)
     answers = [n * len(each) for n, each in zip(counts, shared, strict=True)]
@@ -241,7 +250,8 @@ def impulse_array(
         block_room=_room(widest), tolerance=tolerance, sweeps=sweeps,
         block_first=_starts(sizes), block_sizes=sizes, block_rows=rows_of_blocks,
         block_values=_starts(block_lengths), block_responses=_starts([n * n for n in sizes]),
-        block_speeds=[k for own, _ in pattern.blocks for k in own], owners=owners, local_places=local,
+        block_speeds=[k for connected, _ in pattern.blocks for k in connected],
+        owners=owners, local_places=local,
         point_first=row_first, point_rows=counts, point_values=laws_at + 3 * np.arange(len(points)),
         shared_first=_starts(list(map(len, shared))), shared_sizes=list(map(len, shared)),
         shared_places=[k for each in shared for k in each], answer_first=_starts(answers),
@@ -263,14 +273,10 @@ def _room(block: tuple[int, int]) -> int:
     return n * n + 8 * n + 6 * m + 2 + n * (m + n)
 
 
-def _shared(pattern: ResponsePattern, owners: Floats, first: int, count: int) -> list[int]:
+def _answering_speeds(pattern: ResponsePattern, owners: Floats, first: int, count: int) -> list[int]:
     """Return the speeds that answer to impulses along some rows, in order."""
     touched = {int(owners[k]) for each in pattern.slopes[first : first + count] for k in each}
     return sorted(k for block in touched for k in pattern.blocks[block][0])
-
-
-IMPULSE_OUTPUTS: Final = (GAPS, RESPONSES, "qdot")
-
 
 
 def assemble_open(
@@ -288,8 +294,8 @@ def assemble_open(
         return state
     scales = mechanism_scales(eqs, given.get("parameters") or {}, given.get("scales"), state.q)
     width = bound_function(made.free, GAPS, given.get("parameters"), (), given.get("inputs"), quick=True)
-    values = (np.array([*part.values()]) for part in (state.q, state.u))
-    least = float(np.min(width(state.t, *values, np.zeros(len(width.signature.r)))))
+    q, u = (np.array([*part.values()]) for part in (state.q, state.u))
+    least = float(np.min(width(state.t, q, u, np.zeros(len(width.signature.r)))))
     return state if least >= -AT_LENGTH * scales.length else assemble(eqs, fixed, guess, **given)
 
 
@@ -351,8 +357,9 @@ def check_jumps(jumps: PlannedJumps) -> None:
     """
     if jumps.times:
         raise UsageError(
-            Problem("simulation.impulse_jumps", "motion", f"prescribed rates jump at t = {jumps.times[0]:.9g} s",
+            Problem("simulation.impulse_jumps", "motion",
+                    f"prescribed rates jump at t = {jumps.times[0]:.9g} s",
                     "sb.MoreauJean() has no impulses for these",
-                    "prescribe a motion without corners, for instance with smoothstep; or leave the integrator "
-                    "out")
+                    "prescribe a motion without corners, for instance with smoothstep; or leave the "
+                    "integrator out")
         )  # fmt: skip

@@ -9,7 +9,7 @@ import ctypes
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,9 @@ from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import once
 
+if TYPE_CHECKING:
+    from symbody.simulation.hybrid.impulsive_contacts import ImpulsiveContacts
+
 Floats = NDArray[np.float64]
 
 
@@ -51,8 +54,8 @@ class MoreauJean:
     """The method of Moreau and Jean: steps of one length over impacts, for many rigid contacts.
 
     No impact is located: gaps that a step would leave negative get impulses at its end, all together, by
-    Newton's law of impacts and Coulomb's cone in each point. Where nothing touches it is the midpoint rule, of
-    order 2; impacts are of order 1 in the step.
+    Newton's law of impacts and Coulomb's cone in each point. Where nothing touches it is the midpoint rule,
+    of order 2; impacts are of order 1 in the step.
 
     Attributes
     ----------
@@ -62,7 +65,7 @@ class MoreauJean:
         By how much the impulses of a step may miss their laws, as a share of the fastest rate of a gap or a
         slip in it. The greatest is in ``run.statistics.residual``.
     sweeps : int
-        So many sweeps over all points a step may take to reach it; a note tells of steps that do not.
+        So many sweeps over all points a step may take to reach it; a note reports those that do not.
 
     Raises
     ------
@@ -124,7 +127,7 @@ def run_moreau_jean(
     slopes, rates, gaps, responses = functions
     impulses.begin(problem, (gaps, responses, rates), method.tolerance, method.sweeps)
     with called_laws(functions, problem.laws) as addresses:
-        run = ImpulseRun(motion, method, problem, slopes, addresses, closing)
+        run = ImpulseRun((motion, impulses), method, problem, slopes, addresses, closing)
         record = fresh_record(run, _times(motion), True, 0 if watch is None else EVENT_SAMPLES)
         raw = run_loop(run, record, motion.progress, watch)
     impulses.record.note(impulses.step)
@@ -137,9 +140,10 @@ class ImpulseRun:
     jumps = None
 
     def __init__(
-        self, motion: Motion, method: MoreauJean, problem: SimulationProblem, slopes: CompiledFunction,
-        addresses: Sequence[int], closing: StateProjector | None,
+        self, moving: tuple[Motion, ImpulsiveContacts], method: MoreauJean, problem: SimulationProblem,
+        slopes: CompiledFunction, addresses: Sequence[int], closing: StateProjector | None,
     ) -> None:  # fmt: skip
+        motion, self._impulses = moving
         f, k, e, d = addresses
         projector = NOTHING_TO_PROJECT if closing is None else closing.projector._replace(limit=math.inf)
         tolerances = np.append(motion.tolerances, 1.0)
@@ -149,7 +153,6 @@ class ImpulseRun:
         rhs = problem.numbers(slopes)
         self.block = make_block(rhs, projector, METHOD, goal, motion.x0, motion.span[0], method.step)
         self._functions = (f, k, e, d, projector.address)
-        self._impulses = motion.impulses
 
     def begin(self, record: Record) -> int:
         """Compute what a run begins with; return a code of `symbody.kernels.block`."""
@@ -179,8 +182,9 @@ class ImpulseRun:
         impulses, code = self._impulses, at.NO_MODE_ROOM
         while code == at.NO_MODE_ROOM:
             impulses.make_room()
-            own = (self.block, impulses.array, *record.arrays, impulses.record.starts, impulses.record.entries)
-            code = _kernels()[1](*self._functions, *map(address, own), trials)
+            kept = impulses.record
+            arrays = (self.block, impulses.array, *record.arrays, kept.starts, kept.entries)
+            code = _kernels()[1](*self._functions, *map(address, arrays), trials)
         return code
 
 
@@ -192,7 +196,10 @@ def _times(motion: Motion) -> Floats | None:
 def _kernels() -> tuple[Callable[..., int], Callable[..., int]]:
     """Return what begins a run and what takes steps, ready to be called."""
     integer = ctypes.c_int64
-    kinds = {"begin_impulses": [_POINTER] * 6, "advance_impulses": [*[_POINTER] * 14, integer]}
+    kinds: dict[str, list[Any]] = {
+        "begin_impulses": [_POINTER] * 6,
+        "advance_impulses": [*[_POINTER] * 14, integer],
+    }
     places = load_kernels("impulse_machine", tuple(kinds))
-    first, second = (ctypes.CFUNCTYPE(integer, *kind)(places[name]) for name, kind in kinds.items())
+    first, second = (ctypes.CFUNCTYPE(integer, *kinds[name])(places[name]) for name in kinds)
     return first, second

@@ -28,8 +28,8 @@ from symbody.simulation.methods.closed_loops.overconstrained import is_overconst
 from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.stiff import Stiff
-from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
