@@ -56,29 +56,61 @@ def choose_points(step: ImpulseStep, wanted: float) -> int:
     for k in range(step.points):
         if step.acts[k] == 0.0:
             if k >= step.gaps:
-                step.acts[k] = 1.0
-                joined = joined + 1
+                joined = joined + join_point(step, k)
             elif step.widths[k] <= wanted * step.closed[k]:
-                step.acts[k] = 1.0
-                joined = joined + 1
+                joined = joined + join_point(step, k)
     if joined > 0:
-        count = 0
-        for k in range(step.points):
-            if step.acts[k] != 0.0:
-                step.active[count] = float(k)
-                count = count + 1
-        step.count = count
+        list_points(step)
     return joined
 
 
-def start_impulses(step: ImpulseStep) -> None:
-    """Begin with the impulses of the step before where points act, and without any elsewhere."""
+def begin_points(step: ImpulseStep) -> None:
+    """Begin a step in which no point acts yet; without a step before no impulses are known."""
+    step.count = 0
+    step.residual = 0.0
     for k in range(step.points):
-        first = int(step.point_first[k])
-        for row in range(first, first + int(step.point_rows[k])):
-            step.impulses[row] = 0.0
-            if step.acts[k] != 0.0 and step.begins != 0.0:
-                step.impulses[row] = step.kept[row]
+        step.acts[k] = 0.0
+    for k in range(step.gaps):
+        step.widths_before[k] = step.widths[k]
+    for row in range(step.rows):
+        step.impulses[row] = 0.0
+        if step.begins == 0.0:
+            step.kept[row] = 0.0
+
+
+def join_point(step: ImpulseStep, point: int) -> int:
+    """Let a point act, with the impulses of the step before to begin with; return 1."""
+    step.acts[point] = 1.0
+    first = int(step.point_first[point])
+    for row in range(first, first + int(step.point_rows[point])):
+        step.impulses[row] = step.kept[row]
+    return 1
+
+
+def list_points(step: ImpulseStep) -> None:
+    """Write down which points act, in their order."""
+    count = 0
+    for k in range(step.points):
+        if step.acts[k] != 0.0:
+            step.active[count] = float(k)
+            count = count + 1
+    step.count = count
+
+
+def choose_resting_points(step: ImpulseStep) -> None:
+    """Let points act that have pressed in the step before, if their gaps are no wider than one closes freely.
+
+    Shapes that rest on others fall with these where nothing acts: their gaps do not close then.
+    """
+    fall = 0.0
+    for k in range(step.gaps):
+        if step.kept[int(step.point_first[k])] > 0.0:
+            fall = max(fall, step.widths_before[k] - step.widths[k])
+    for k in range(step.gaps):
+        if step.acts[k] == 0.0 and step.kept[int(step.point_first[k])] > 0.0:
+            if step.widths_before[k] <= fall and step.widths[k] <= step.widths_before[k] + step.closed[k]:
+                join_point(step, k)
+    list_points(step)
 
 
 def move_coordinates(
@@ -132,13 +164,11 @@ def attempt_impulses(
         step.free[i] = new[i]
         step.moving[i] = new[i]
         step.shifts[i] = 0.0
-    for i in range(step.points):
-        step.acts[i] = 0.0
-    step.count = 0
-    step.residual = 0.0
+    begin_points(step)
     if measure_gaps(e, run, step, end, new) == 0:
         return 0
     if choose_points(step, 0.0) > 0:
+        choose_resting_points(step)
         if touch(k, e, d, g, run, step, h) == 0:
             return 0
     for i in range(n_u):
@@ -154,7 +184,6 @@ def touch(
     n = step.states
     if measure_responses(d, run, step, middle, run.stage) == 0:
         return 0
-    start_impulses(step)
     joined = 1
     for turn in range(MOST_ROUNDS):
         if joined > 0:

@@ -53,6 +53,7 @@ class ImpulseStep(RecordLayout):
 
     # One step
     widths: Reals = pointer("gaps")
+    widths_before: Reals = pointer("gaps")  # where the step begins
     values: Reals = pointer("values_size")
     responses: Reals = pointer("responses_size")  # changes of the speeds of a block by a unit of each force
     has_responses: Reals = pointer("blocks")
