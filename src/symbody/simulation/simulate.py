@@ -74,8 +74,8 @@ def simulate(
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, changed to `Stiff` where it pays, or `FixedStep`, `Stiff`, `GeneralizedAlpha`;
-        ``Projection()`` holds closed loops, or `Baumgarte`, `GGL`, `Partition`.
+        ``Explicit(order=8)``, changed to `Stiff` where it pays, or `FixedStep`, `Stiff`, `GeneralizedAlpha`,
+        `MoreauJean`; ``Projection()`` holds closed loops, or `Baumgarte`, `GGL`, `Partition`.
     events : Event or sequence of Event
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
