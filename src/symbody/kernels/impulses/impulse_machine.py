@@ -28,6 +28,7 @@ from symbody.kernels.step_bounds import behind_jump, plan_trial
 from symbody.kernels.step_machine import begin, begin_again, failure, keep_step, reached_limit
 
 MOST_ROUNDS: Final = 8  # of points that join, and of displacements
+COARSE: Final = 1e-2  # residual, as a share, that is enough to see which points join
 MOST_PUSHES: Final = 400  # sweeps of one displacement
 PUSHED: Final = 0.1  # of what counts as closed
 ENTRY: Final = 4  # numbers of a point in the record
@@ -184,16 +185,23 @@ def touch(
     n = step.states
     if measure_responses(d, run, step, middle, run.stage) == 0:
         return 0
-    joined = 1
+    tolerance = max(step.tolerance, COARSE)
+    unsolved = 1
     for turn in range(MOST_ROUNDS):
-        if joined > 0:
-            if solve_impulses(step, h, run.state_old) == 0:
+        if unsolved > 0:
+            if turn == MOST_ROUNDS - 1:
+                tolerance = step.tolerance
+            if solve_impulses(step, h, run.state_old, tolerance) == 0:
                 return 0
             if move_coordinates(k, e, g, run, step, middle, h) == 0:
                 return 0
-            joined = 0
+            unsolved = 0
             if turn + 1 < MOST_ROUNDS:
-                joined = choose_points(step, -1.0)
+                unsolved = choose_points(step, -1.0)
+            if unsolved == 0 and tolerance > step.tolerance:
+                tolerance = step.tolerance
+                if step.residual > tolerance * step.scale:
+                    unsolved = 1
     run.state_new[n - 1] = run.state_new[n - 1] + work_of_impulses(step, step.before)
     return push_back(k, e, d, g, run, step, h)
 

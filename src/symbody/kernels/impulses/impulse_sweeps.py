@@ -25,22 +25,25 @@ LEAST_SHARE: Final = 1e-3  # of restitution
 ROUNDED: Final = 1e-13  # of the work that impulses do
 
 
-def solve_impulses(step: ImpulseStep, h: float, old: Reals) -> int:
+def solve_impulses(step: ImpulseStep, h: float, old: Reals, tolerance: float) -> int:
     """Find the impulses of the points that act, and the speeds behind them; return 0 if there are none.
 
-    If they would do work the restitution of all is lowered, down to none, which never does.
+    If they would do work the restitution of all is lowered, down to none, which never does. Of a residual
+    above the tolerance of the motion nothing of that is seen.
     """
     if prepare_points(step, old) == 0:
         return 0
     step.share = 1.0
-    sweep_points(step, h)
+    sweep_points(step, h, tolerance)
+    if tolerance > step.tolerance and step.residual > step.tolerance * step.scale:
+        return 1
     while step.share > 0.0 and work_of_impulses(step, step.without) > ROUNDED * size_of_work(step):
         if step.share == 1.0:
             step.lowered = step.lowered + 1.0
         step.share = 0.5 * step.share
         if step.share < LEAST_SHARE:
             step.share = 0.0
-        sweep_points(step, h)
+        sweep_points(step, h, tolerance)
     for i in range(step.speeds):
         if not is_finite(step.moving[i]):
             return 0
@@ -70,9 +73,9 @@ def prepare_points(step: ImpulseStep, old: Reals) -> int:
     return 1
 
 
-def sweep_points(step: ImpulseStep, h: float) -> None:
-    """Sweep over the points, forth and back, until the residual is within the tolerance."""
-    goal = step.tolerance * step.scale
+def sweep_points(step: ImpulseStep, h: float, tolerance: float) -> None:
+    """Sweep over the points, forth and back, until the residual is within a tolerance."""
+    goal = tolerance * step.scale
     forget_sweeps(step)
     step.turn_count = 0
     step.residual = INFINITY
