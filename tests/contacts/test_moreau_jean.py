@@ -437,6 +437,7 @@ def test_a_sampled_force_follows_the_motion() -> None:
     run = sb.simulate(eqs, 4.0, integrator=steps(1e-3))
     assert run["x"][-1] == pytest.approx(1.0, abs=1e-5) and run["F"][-1] == pytest.approx(2.0, abs=1e-4)
     assert run["opening_effort rail high"][-1] == pytest.approx(2.0, abs=1e-4)
+    assert run.statistics.residual is not None and run.statistics.residual <= 1e-10
 
 
 def test_steppers_and_sweeps_take_the_same_steps() -> None:
