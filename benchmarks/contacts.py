@@ -1,12 +1,12 @@
 """Work beside precision of bodies that fall on a floor: a bouncing ball, a sliding box, a tumbling box.
 
-Laws of contact differ: symbody's is that of Hunt and Crossley with exponent 3/2, or rigid with Poisson's
-restitution and dry friction; MuJoCo's a convex problem of soft rows; Drake's that of Hunt and Crossley with
-exponent 1, continuous or in its discrete solver SAP. They have the same restitution at the same speed and
-impacts as long, so that they are as hard, and each error is that beside a far more exact motion of the same
-law: the greatest distance of a place at any tenth of a second. Every law works in a process of its own, in
-the loop of its engine. Figures are processor time of one whole run, of symbody the whole call of `simulate`,
-without forming and compiling; of Drake with the building of its plant.
+Laws of contact differ: symbody's is that of Hunt and Crossley with exponent 3/2, or rigid with dry friction
+and the restitution of Poisson, of Newton with `MoreauJean`; MuJoCo's a convex problem of soft rows; Drake's
+that of Hunt and Crossley with exponent 1, continuous or in its discrete solver SAP. They have the same
+restitution at the same speed and impacts as long, so that they are as hard, and each error is that beside a
+far more exact motion of the same law: the greatest distance of a place at any tenth of a second. Every law
+works in a process of its own, in the loop of its engine. Figures are processor time of one whole run, of
+symbody the whole call of `simulate`, without forming and compiling; of Drake with the building of its plant.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import Final
 
 import numpy as np
 
+from benchmarks import many_contacts
 from benchmarks.contact_problems import PROBLEMS, Floats
 from benchmarks.engines.contact_methods import COMPLIANT, LAWS
 from benchmarks.precision import PREPARING, Diagram, Point, fastest, points_of, timed
@@ -125,3 +126,4 @@ def tables(settings: Settings) -> Iterator[Table]:
         results[name] = measure(name, settings)
         yield table(name, results[name])
     yield summary(results)
+    yield from many_contacts.tables(settings)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
-from benchmarks import contacts
+from benchmarks import contacts, many_contacts
 from benchmarks.contact_problems import PROBLEMS, height_and_way, model_of
 from benchmarks.contacts import attempt, summary
 from benchmarks.engines.contact_methods import COMPLIANT, LAWS
@@ -68,3 +68,14 @@ def test_one_setting_answers_with_time_and_places() -> None:
 def test_what_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contacts, "LAWS", {"Absent": LAWS["MuJoCo"]._replace(package="no_such_package")})
     assert contacts.measure("sliding box", Settings(rounds=1)).notes == ["Absent: not installed"]
+
+
+def test_balls_fall_into_a_pit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row for each tolerance, and one for MuJoCo where it is installed."""
+    monkeypatch.setattr(many_contacts, "END", 0.01)
+    rows = list(many_contacts.rows_of(3))
+    laws = [row[1].partition(",")[0] for row in rows]
+    assert laws[:2] == ["symbody"] * 2 and laws[2:] in ([], ["MuJoCo"])
+    model = many_contacts.pit_model(3)
+    assert len([each for each in model.elements if isinstance(each, sb.Contact)]) == 3 + 4 * 3
+    assert len(many_contacts.places(8)) == 8

@@ -70,6 +70,18 @@ def _ours(problem: Falling, *, rigid: bool) -> Move:
     return move
 
 
+def _stepped(problem: Falling) -> Move:
+    """Return motions by symbody in steps over impacts."""
+    eqs, rows = sb.form_equations(model_of(problem, rigid=True)), list(height_and_way(problem))
+
+    def move(method: str, step: float) -> Floats:
+        integrator = sb.MoreauJean(step=step, tolerance=float(method))
+        motion = sb.simulate(eqs, problem.end, times=problem.times, integrator=integrator, max_steps=10**7)
+        return motion.q[rows]
+
+    return move
+
+
 def _mujoco(problem: Falling) -> Move:
     from benchmarks.engines.contact_mujoco import motion
 
@@ -93,6 +105,9 @@ LAWS: Final[Mapping[str, Law]] = MappingProxyType(
         "symbody, rigid": Law(
             lambda problem: _ours(problem, rigid=True), {"order 8": _RIGID},
             ("order 8", 1e-12), ("order 8", 1e-10),
+        ),
+        "symbody, MoreauJean": Law(
+            _stepped, {"1e-6": _STEPS}, ("1e-10", 2e-6), ("1e-10", 5e-6),
         ),
         "MuJoCo": Law(
             _mujoco, {"Euler": _STEPS, "RK4": _STEPS, "implicitfast": _STEPS},

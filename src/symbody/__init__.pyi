@@ -126,6 +126,7 @@ from .simulation import Explicit as Explicit
 from .simulation import FixedStep as FixedStep
 from .simulation import Stiff as Stiff
 from .simulation import GeneralizedAlpha as GeneralizedAlpha
+from .simulation import MoreauJean as MoreauJean
 from .simulation import Projection as Projection
 from .simulation import Partition as Partition
 from .simulation import Baumgarte as Baumgarte

@@ -49,6 +49,9 @@ class EquationsOfMotion(MultibodySystem):
         Rows of ropes that are slack; they are not among `rows`.
     modes : mapping of str to Expr
         The modes of ropes, 0 while they are taut, where these are inputs; see `modal_equations`.
+    given : mapping of str to Expr
+        Efforts that are not solved for: of friction by the names of its laws, and the multipliers of rows
+        among `slack` that act nevertheless; see `impulsive_equations`.
     angles : frozenset of str
         Coordinates placed by hand that are angles; those of joints follow from the joints.
     outer_signals : tuple of str
@@ -64,6 +67,7 @@ class EquationsOfMotion(MultibodySystem):
     elimination: SpeedElimination | None = None
     slack: tuple[ConstraintEquation, ...] = ()
     modes: Mapping[str, Expr] = field(default_factory=dict)
+    given: Mapping[str, Expr] = field(default_factory=dict)
     angles: frozenset[str] = frozenset()
     outer_signals: tuple[str, ...] = ()
     # Made on first request from the fields above: what replaces one of these replaces what is made of it.
@@ -144,6 +148,11 @@ class EquationsOfMotion(MultibodySystem):
         ]
 
     @property
+    def given_rows(self) -> list[tuple[ConstraintEquation, Expr]]:
+        """The rows that are open and act nevertheless, each with the multiplier that is given."""
+        return [(row, self.given[row.name]) for row in self.slack if row.name in self.given]
+
+    @property
     def position_jacobian(self) -> list[list[Expr]]:
         """The derivatives of Phi by q, one row a holonomic constraint."""
         by = [q.index for q in self.expressions(self.q)]
@@ -161,7 +170,7 @@ class EquationsOfMotion(MultibodySystem):
         return self._wrenches.get(True, partial(self._form_wrenches, is_solved=True))
 
     def _form_wrenches(self, *, is_solved: bool) -> Mapping[str, Wrench]:
-        rows = self.bearing_rows
+        rows = [*self.bearing_rows, *self.given_rows]
         cut = [*row_wrenches(rows), *drive_wrenches(self), *coupling_wrenches(self, rows)]
         total = self.dynamics.solved_wrenches(self, cut) if is_solved else self.dynamics.wrenches(self, cut)
         if total is None:

@@ -11,6 +11,7 @@ from .methods.fixed_step import FixedStep as FixedStep
 from .methods.implicit.gear_gupta_leimkuhler import GGL as GGL
 from .methods.implicit.generalized_alpha import GeneralizedAlpha as GeneralizedAlpha
 from .methods.implicit.stiff import Stiff as Stiff
+from .methods.moreau_jean import MoreauJean as MoreauJean
 from .programs.generate_code import generate_code as generate_code
 from .programs.generate_simulation import generate_simulation as generate_simulation
 from .results.trajectory import Trajectory as Trajectory

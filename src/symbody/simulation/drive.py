@@ -19,6 +19,11 @@ from numpy.typing import NDArray
 from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
+from symbody.simulation.hybrid.impulsive_contacts import (
+    ImpulsiveContacts,
+    check_jumps,
+    with_impulses,
+)
 from symbody.simulation.hybrid.rate_jumps import jump_notes, jump_times, neglect_note
 from symbody.simulation.hybrid.switching import (
     DeadEndError,
@@ -31,6 +36,7 @@ from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import takes_steps_compiled
+from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.motion import Motion
 from symbody.simulation.pieces import MotionInstant, Pieces, one_state, work_at_end
 from symbody.simulation.results.trajectory import Trajectory
@@ -82,8 +88,12 @@ def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
     SimulationError
         If an FMU or a law fails, or no speeds fit rates that jump.
     """
+    if isinstance(motion.integrator, MoreauJean):
+        motion = with_impulses(motion)
     problem, span, x = motion.problem, motion.span, motion.state
-    motion = replace(motion, jumps=jump_times(problem, x, span))
+    motion = replace(motion, jumps=jump_times(motion.moving_problem, x, span))
+    if motion.impulses is not None:
+        check_jumps(motion.jumps)
     fmus = {name: law for name, law in (inputs or {}).items() if isinstance(law, FmuInput)}
     sampler = None if problem.sampler is None or samples_on_the_way(motion) else problem.sampler
     with ExitStack() as stack:
@@ -91,7 +101,8 @@ def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
         pieces = _MotionByPieces(motion, held)
         if not pieces.has_instants:
             piece = execute(motion)
-            return Driven(with_jump_notes(piece.run, problem, piece.jumps), problem, piece.sides)
+            run = with_jump_notes(piece.run, problem, piece.jumps)
+            return Driven(with_impulse_notes(run, motion.impulses), problem, piece.sides)
         return pieces.go()
 
 
@@ -109,7 +120,7 @@ class _MotionByPieces:
     def __init__(self, motion: Motion, held: HeldInputs) -> None:
         self._motion, self._held = motion, held
         self._pieces = Pieces(motion)
-        self._modes = switching_modes(held.problem)
+        self._modes = switching_modes(held.problem) if motion.impulses is None else None
         self._integrator = motion.integrator
         self._decided = 0  # rows of the record of modes where the piece begins
         self._changes: list[float] = []
@@ -280,6 +291,7 @@ class _MotionByPieces:
         if np.isfinite(self._held.due) and len(notes) > _MOST_NOTES:
             notes = (*notes[:_MOST_NOTES], f"{len(notes) - _MOST_NOTES} more notes on values between samples")
         run = with_jump_notes(replace(run, notes=notes), problem, self._pieces.jumps)
+        run = with_impulse_notes(run, self._motion.impulses)
         return run if self._modes is None else self._with_modes(run, self._modes)
 
     def _with_modes(self, run: Trajectory, modes: SwitchingModes) -> Trajectory:
@@ -302,3 +314,8 @@ def with_jump_notes(
     if not jumps:
         return run
     return replace(run, notes=(*run.notes, *jump_notes(jumps), *neglect_note(problem.eqs.formed)))
+
+
+def with_impulse_notes(run: Trajectory, impulses: ImpulsiveContacts | None) -> Trajectory:
+    """Return a motion with notes on the impulses in it."""
+    return run if impulses is None else replace(run, notes=(*run.notes, *impulses.notes))

@@ -40,6 +40,7 @@ from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import SingleFlight
 
 if TYPE_CHECKING:
+    from symbody.simulation.hybrid.impulsive_contacts import ImpulsiveContacts
     from symbody.simulation.hybrid.switching import SwitchingModes
     from symbody.simulation.methods.integration import Constraints, Integrator
 
@@ -74,6 +75,8 @@ class Motion:
         Those with which it begins, by default the present ones; see `begin_modes`.
     jumps : PlannedJumps
         When prescribed rates jump.
+    impulses : ImpulsiveContacts, optional
+        What moves gaps and friction by impulses, in steps over impacts.
 
     Raises
     ------
@@ -97,6 +100,7 @@ class Motion:
     modes: SwitchingModes | None = None
     first_modes: Floats | None = None
     jumps: PlannedJumps = NO_JUMPS
+    impulses: ImpulsiveContacts | None = None
     _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -148,7 +152,12 @@ class Motion:
     @property
     def breakpoints(self) -> Breakpoints:
         """Where what depends on time alone changes."""
-        return self.problem.breakpoints(self.span, watched_outputs(self.events))
+        return self.moving_problem.breakpoints(self.span, watched_outputs(self.events))
+
+    @property
+    def moving_problem(self) -> SimulationProblem:
+        """The problem whose slopes are integrated: without efforts that a method finds by itself."""
+        return self.problem if self.impulses is None else self.impulses.free_problem(self.problem)
 
     def part(
         self, x: Floats, span: tuple[float, float], times: Floats | None, steps_before: int,
@@ -202,15 +211,16 @@ class Motion:
 
     def projection(self, method: Projection) -> StateProjector | None:
         """Return what brings states back onto the constraints; None if there are none."""
-        if not self.problem.is_closed:
+        problem = self.moving_problem
+        if not problem.is_closed:
             return None
-        function = self.problem.compile_outputs(PROJECTED)
+        function = problem.compile_outputs(PROJECTED)
 
         def make() -> Projector:
-            return make_projector(function, self.eqs, self.problem.scales, method, self.atol)
+            return make_projector(function, problem.eqs, problem.scales, method, self.atol)
 
-        projector = self.problem.keep(("projector", method, self.atol), make)
-        projector = projector._replace(inputs=self.problem.laws.held_now())
+        projector = problem.keep(("projector", method, self.atol), make)
+        projector = projector._replace(inputs=problem.laws.held_now())
         return StateProjector(function, projector, self.rtol, self.tolerances, method)
 
     def event_watch(self, projection: Projection, *, hands_over: bool = False) -> EventWatch | None:
@@ -223,17 +233,18 @@ class Motion:
         """
         modes = self.modes
         ends = () if modes is None else modes.ends
-        watched = (*self.events, *gap_events(self.problem, self.integrator), *ends)
+        problem = self.moving_problem
+        watched = (*self.events, *gap_events(problem, self.integrator), *ends)
         if not watched:
             return None
 
         def make() -> EventFunctions:
-            return EventFunctions(self.problem, watched, share, hands_over=hands_over and modes is not None)
+            return EventFunctions(problem, watched, share, hands_over=hands_over and modes is not None)
 
         share = residual_share(projection, self.atol)
         key = ("events", watched, share, hands_over)
-        is_plain = not self.problem.laws.need_python and not any(event.mapping for event in watched)
-        functions = self.problem.keep(key, make).with_problem(self.problem) if is_plain else make()
+        is_plain = not problem.laws.need_python and not any(event.mapping for event in watched)
+        functions = problem.keep(key, make).with_problem(problem) if is_plain else make()
         return EventWatch(functions, abs(self.span[1] - self.span[0]), self.sides, modes)
 
     def course(self, closing: StateProjector | None, watch: EventWatch | None) -> Course:

@@ -222,11 +222,13 @@ def work_at_end(part: Trajectory) -> float:
 
 def _total(spent: Sequence[Statistics]) -> Statistics:
     rejected = [s.rejected for s in spent if s.rejected is not None]
+    residuals = [s.residual for s in spent if s.residual is not None]
     return Statistics(
         sum(s.accepted for s in spent),
         sum(rejected) if len(rejected) == len(spent) else None,
         sum(s.evaluations for s in spent),
         sum(s.loop_seconds for s in spent),
+        max(residuals, default=None),
     )
 
 

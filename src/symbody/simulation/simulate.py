@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
-from typing import Final, get_args
+from typing import Any, Final, get_args
 
 from numpy.typing import ArrayLike
 
@@ -23,9 +23,11 @@ from symbody.errors import Problem, UsageError
 from symbody.model.first_values import FirstValue, by_priority
 from symbody.simulation.drive import drive
 from symbody.simulation.events.events import Event, check_events
+from symbody.simulation.hybrid.impulsive_contacts import assemble_open
 from symbody.simulation.inputs.input_laws import InputLaws, Law, input_laws, laws_of_tables, silent_input_note
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.motion import Motion, first_numbers
 from symbody.simulation.native.run import Progress
 from symbody.simulation.progress import show_progress
@@ -72,8 +74,8 @@ def simulate(
     times : array, optional
         Exactly the samples to store; by default every step.
     integrator, constraints : optional
-        ``Explicit(order=8)``, changed to `Stiff` where it pays, or `FixedStep`, `Stiff`, `GeneralizedAlpha`;
-        ``Projection()`` holds closed loops, or `Baumgarte`, `GGL`, `Partition`.
+        ``Explicit(order=8)``, changed to `Stiff` where it pays, or `FixedStep`, `Stiff`, `GeneralizedAlpha`,
+        `MoreauJean`; ``Projection()`` holds closed loops, or `Baumgarte`, `GGL`, `Partition`.
     events : Event or sequence of Event
         Where one changes the state, both states are samples, of `times` only the one after.
     rtol, atol : float
@@ -123,8 +125,10 @@ def simulate(
     inputs, exact = {**inputs, **held.laws}, held.others(exact)
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as show:
-        first = assemble(
-            eqs, exact, near, parameters=parameters, inputs=laws.formulas, t=span[0], scales=scales
+        given: Any = {"parameters": parameters, "inputs": laws.formulas, "t": span[0], "scales": scales}
+        is_impulsive = isinstance(integrator, MoreauJean)
+        first = (
+            assemble_open(eqs, exact, near, **given) if is_impulsive else assemble(eqs, exact, near, **given)
         )
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)

@@ -126,13 +126,15 @@ def mode_output(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
         law = _find_law(formed, words)[1]
         return (), [law.slip if law.touch is None else formed.modes.get(element, law.slip)]
     row = _find_row(formed, words)
-    closed = any(row.name == other.name for other in formed.rows)
+    closed = row.name in formed.given or any(row.name == other.name for other in formed.rows)
     return (), [number(formed.graph, int(closed)) - formed.modes.get(row.gap, number(formed.graph, 0))]
 
 
 def opening_effort(formed: EquationsOfMotion, words: Sequence[str]) -> Output:
     """Return the output "contact_force E" or "rope_tension R": what opens the gap; 0 where it is open."""
     row = _find_row(formed, words)
+    if row.name in formed.given:
+        return (), [formed.given[row.name] * row.sense]
     if all(row.name != other.name for other in formed.rows):
         return (), [number(formed.graph, 0)]
     return (), [effort_of(row)]
@@ -145,21 +147,25 @@ def rigid_force(formed: EquationsOfMotion, contact: str) -> list[Expr]:
         if law.owner == contact:
             place = "xy".index(law.name[-1])
             force[place] = force[place] + _effort(law)
-    for row in formed.rows:
-        if row.element == contact and row.sense:
-            force[2] = force[2] + effort_of(row)
+    for _, effort in _acting_rows(formed, contact):
+        force[2] = force[2] + effort
     return force
+
+
+def _acting_rows(formed: EquationsOfMotion, contact: str) -> list[tuple[ConstraintEquation, Expr]]:
+    """Return the rows of a rigid contact that act, each with the force along the normal."""
+    own = [(row, effort_of(row)) for row in formed.rows if row.element == contact and row.sense]
+    return own + [(row, effort * row.sense) for row, effort in formed.given_rows if row.element == contact]
 
 
 def rigid_point(formed: EquationsOfMotion, contact: str) -> list[Expr]:
     """Return where the force of a rigid contact acts, from start's origin in its axes."""
     measures = formed.loads.measures
-    rows = [row for row in formed.rows if row.element == contact and row.sense]
-    pressing = [effort_of(row) for row in rows]
+    pressing = _acting_rows(formed, contact)
     return [
         centre_of_pressure(
-            pressing,
-            [measures[f"touch {contact} {row_number(row.name)} {letter}"] for row in rows],
+            [effort for _, effort in pressing],
+            [measures[f"touch {contact} {row_number(row.name)} {letter}"] for row, _ in pressing],
             measures[f"touch {contact} {letter}"],
         )
         for letter in "xyz"

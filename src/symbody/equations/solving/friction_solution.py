@@ -43,6 +43,22 @@ def solve_with_friction(formed: EquationsOfMotion, linear: Linear) -> tuple[list
     return FrictionSolver(formed, linear).solution()
 
 
+def solve_given(formed: EquationsOfMotion, linear: Linear) -> tuple[list[Expr], list[Expr]]:
+    """Return u' and the multipliers where all efforts of friction, and of open gaps, are given."""
+    graph = formed.graph
+    efforts = [formed.given[law.name] for law in formed.friction]
+    known = {law.effort.index: effort.index for law, effort in zip(formed.friction, efforts, strict=True)}
+    nodes = substitute(graph, [force.index for force in formed.dynamics.forcing], known)
+    forcing = {u: Expr(graph, node) for u, node in zip(formed.kinematics.speeds, nodes, strict=True)}
+    for row, multiplier in formed.given_rows:
+        for u, slope in row.jacobian.items():
+            forcing[u] = forcing[u] + slope * multiplier
+    one, none = number(graph, 1), [number(graph, 0)] * len(efforts)
+    normals = [one if law.touch is None else formed.given[law.touch.row] for law in formed.friction]
+    formed.resistances.append(Resistance(efforts, normals, none, [one] * len(efforts)))
+    return linear(list(forcing.values()), [row.gamma for row in formed.rows])
+
+
 class FrictionSolver:
     """One solution; vectors over all unknowns are ordered u', multipliers, friction efforts, shares.
 

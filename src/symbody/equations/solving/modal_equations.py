@@ -90,7 +90,7 @@ def permanent_equations(eqs: EquationSet) -> EquationSet:
 def _modal_equations(eqs: EquationSet) -> ModalEquations:
     formed = eqs.formed
     joints, lines = switching_joints(formed), unilateral_elements(formed)
-    inputs = [Symbol(name, SymbolKind.INPUT) for name in _free_names(formed, (*joints, *lines))]
+    inputs = [Symbol(name, SymbolKind.INPUT) for name in free_names(formed, (*joints, *lines), "mode_")]
     modes = dict(zip((*joints, *lines), (symbol(formed.graph, each) for each in inputs), strict=True))
     modal = _with_modes(formed, joints, modes)
     symbols = {**formed.names.symbols, **{each.name: each for each in inputs}}
@@ -100,12 +100,12 @@ def _modal_equations(eqs: EquationSet) -> ModalEquations:
     return ModalEquations(made, joints, lines, tuple(each.name for each in inputs))
 
 
-def _free_names(formed: EquationsOfMotion, elements: Iterable[str]) -> list[str]:
-    """Return a name for the mode of each element that formulas can contain and that is not taken."""
+def free_names(formed: EquationsOfMotion, elements: Iterable[str], first: str) -> list[str]:
+    """Return a name for what is input of each element, that formulas can contain and that is not taken."""
     taken = {*formed.names.symbols, *formed.names.values}
     made = []
     for name in elements:
-        word = "mode_" + "".join(c if c.isalnum() and c.isascii() else "_" for c in name)
+        word = first + "".join(c if c.isalnum() and c.isascii() else "_" for c in name)
         while word in taken:
             word += "_"
         taken.add(word)

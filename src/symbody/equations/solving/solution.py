@@ -10,7 +10,7 @@ from symbody.equations.equations_of_motion import EquationsOfMotion
 from symbody.equations.loads.friction import Resistance
 from symbody.equations.massless.force_balances import UndeterminedMotion, find_balances
 from symbody.equations.massless.null_motions import is_light, zero_pivots
-from symbody.equations.solving.friction_solution import solve_with_friction, unknown_symbols
+from symbody.equations.solving.friction_solution import solve_given, solve_with_friction, unknown_symbols
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
@@ -29,6 +29,8 @@ def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
 
 
 def _solution(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
+    if formed.given:
+        return solve_given(formed, partial(solve_linear, formed))
     if formed.friction:
         return solve_with_friction(formed, partial(solve_linear, formed))
     accelerations = formed.dynamics.accelerations(formed)

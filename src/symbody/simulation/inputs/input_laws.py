@@ -7,7 +7,7 @@ import signal
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from types import FrameType
 from typing import Final
@@ -284,6 +284,21 @@ class CallbackFunction(NativeCallback):
         )
         self._r.from_address(r)[:] = [ctypes.c_double(value) for value in values]
         return int(self._inner(t, q, u, r, p, c, out, work))
+
+
+@contextmanager
+def called_laws(functions: Sequence[CompiledFunction], laws: InputLaws) -> Iterator[list[int]]:
+    """Give the addresses of functions that call the laws of inputs; raise what one of these raised."""
+    if not laws.need_python:
+        yield [function.address for function in functions]
+        return
+    calls = [CallbackFunction(function, laws) for function in functions]
+    with ExitStack() as stack:
+        stack.enter_context(calls[0].interruptible())
+        yield [call.address for call in calls]
+    for call in calls:
+        if call.error is not None:
+            raise call.error
 
 
 def _call_law(name: str, law: Callback, t: float, q: Floats, u: Floats) -> float:

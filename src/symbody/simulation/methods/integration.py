@@ -29,6 +29,7 @@ from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL, run_ggl
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, run_generalized_alpha
 from symbody.simulation.methods.implicit.stiff import Stiff, run_stiff
+from symbody.simulation.methods.moreau_jean import MoreauJean, run_moreau_jean
 from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.dense_output import DenseOutput, shorten
 from symbody.simulation.native.run import RawRun
@@ -38,7 +39,7 @@ from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED
 
 Floats = NDArray[np.float64]
-Integrator = Explicit | FixedStep | Stiff | GeneralizedAlpha
+Integrator = Explicit | FixedStep | Stiff | GeneralizedAlpha | MoreauJean
 Constraints = Projection | Baumgarte | GGL | Partition
 Notes = tuple[str, ...]
 
@@ -89,7 +90,7 @@ def integrate_motion(motion: Motion) -> Integration:
     closing = None if isinstance(constraints, Baumgarte) else motion.projection(projection)
     watch = motion.event_watch(projection, hands_over=not takes_steps_compiled(motion))
     raw, notes, watch = _run_method(motion, constraints, closing, watch)
-    step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha) else None
+    step = integrator.step if isinstance(integrator, FixedStep | GeneralizedAlpha | MoreauJean) else None
     return Integration(raw, (*notes, *motion.breakpoints.notes(step)), watch)
 
 
@@ -106,6 +107,8 @@ def _fitting_constraints(motion: Motion) -> Constraints:
         fits, name, why, fix = (Stiff,), "sb.GGL()", "are implicit equations", "sb.Stiff()"
     elif isinstance(constraints, Partition):
         fits, name, why, fix = (Explicit,), "sb.Partition()", "is integrated explicitly", "sb.Explicit()"
+    elif isinstance(constraints, Baumgarte) and isinstance(motion.integrator, MoreauJean):
+        fits, name, why, fix = (Explicit,), "sb.Baumgarte()", "forces loops shut", "sb.Projection()"
     else:
         return constraints
     if not (motion.integrator is None or isinstance(motion.integrator, fits)):
@@ -129,6 +132,8 @@ def _run_method(
         explicit = integrator if isinstance(integrator, Explicit) else DEFAULT
         charts = ChartRun(motion, constraints)
         return run_explicit(motion, explicit, closing, watch, charts=charts), charts.notes, watch
+    if isinstance(integrator, MoreauJean):
+        return *run_moreau_jean(motion, integrator, closing, watch), watch
     if isinstance(integrator, Stiff):
         return run_stiff(motion, integrator, constraints, watch), (), watch
     if isinstance(integrator, GeneralizedAlpha):

@@ -68,12 +68,15 @@ class Statistics:
         Calls of the right-hand side.
     loop_seconds : float
         Time inside the compiled loop [s].
+    residual : float or None
+        By how much impulses missed their laws at most, as a share of the fastest rate; of `MoreauJean`.
     """
 
     accepted: int
     rejected: int | None
     evaluations: int
     loop_seconds: float
+    residual: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

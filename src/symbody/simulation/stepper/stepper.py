@@ -29,6 +29,7 @@ from symbody.simulation.methods.constraints import Baumgarte, Projection
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Constraints, Integrator
+from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.simulate import check_arguments
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.compiled_steps import CompiledSteps, Ending, Steps
@@ -461,7 +462,7 @@ def why_separate(problem: StepProblem, numbers: StepNumbers) -> str:
     """Return why steps have to be motions of their own, empty where the compiled loop can take them."""
     settings = problem.settings
     eqs = settings.moving
-    if isinstance(settings.integrator, Stiff | GeneralizedAlpha):
+    if isinstance(settings.integrator, Stiff | GeneralizedAlpha | MoreauJean):
         return f"sb.{type(settings.integrator).__name__}() restarts in each step"
     if not isinstance(settings.constraints, Projection | Baumgarte | None):
         return f"sb.{type(settings.constraints).__name__}() restarts in each step"

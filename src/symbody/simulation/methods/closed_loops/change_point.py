@@ -40,6 +40,7 @@ from symbody.simulation.methods.implicit.gear_gupta_leimkuhler import GGL
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha
 from symbody.simulation.methods.implicit.stiff import Stiff
 from symbody.simulation.methods.integration import Integration, end_run, integrate_motion
+from symbody.simulation.methods.moreau_jean import MoreauJean
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.run import RawRun
@@ -110,7 +111,7 @@ def change_point_note(notes: Iterable[str]) -> str:
 
 def samples_on_the_way(motion: Motion) -> bool:
     """Return whether the method of a motion takes the samples of signals inside its loop."""
-    return not isinstance(motion.integrator, Stiff) and not isinstance(motion.constraints, GGL)
+    return not isinstance(motion.integrator, Stiff | MoreauJean) and not isinstance(motion.constraints, GGL)
 
 
 def integrate_on_branch(motion: Motion) -> Integration:
@@ -197,7 +198,8 @@ def has_constant_rows(eqs: EquationSet) -> bool:
 
 def _with_step_notes(run: Integration, motion: Motion) -> Integration:
     """Return a run with a note where steps of a given length are too long; others follow their errors."""
-    step = motion.integrator.step if isinstance(motion.integrator, FixedStep | GeneralizedAlpha) else None
+    fixed = FixedStep | GeneralizedAlpha | MoreauJean
+    step = motion.integrator.step if isinstance(motion.integrator, fixed) else None
     if step is None:
         return run
     notes = unresolved_pose_notes(motion.permanent_problem, run.raw, step)

@@ -6,8 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -20,7 +19,7 @@ from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.errors import Problem, UsageError
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.inputs.breakpoints import Breakpoints
-from symbody.simulation.inputs.input_laws import CallbackFunction, InputLaws
+from symbody.simulation.inputs.input_laws import called_laws
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.implicit.state_jacobian import (
     STATE_JACOBIAN,
@@ -134,7 +133,7 @@ def run_generalized_alpha(
     """
     laws = motion.problem.laws
     compiled = _compile_functions(motion)
-    with _with_laws(compiled, laws) as addresses:
+    with called_laws(compiled, laws) as addresses:
         run = _make_run(motion, method, closing, addresses, compiled, work_tolerance)
         sampler = motion.problem.sampler
         held = None if sampler is None else SampledLoop(motion.problem, sampler)
@@ -151,21 +150,6 @@ def _compile_functions(motion: Motion) -> tuple[CompiledFunction, ...]:
     wider = with_state_jacobian(eqs, problem.laws.formulas, problem.laws.callbacks)
     derivatives = replace(problem, eqs=wider).compile_outputs(STATE_JACOBIAN, quick=True)
     return problem.compile_outputs(OF_STEPS), problem.compile_outputs("qdot"), derivatives
-
-
-@contextmanager
-def _with_laws(functions: Sequence[CompiledFunction], laws: InputLaws) -> Iterator[list[int]]:
-    """Give the addresses of functions that call the laws of inputs; raise what one of these raised."""
-    if not laws.need_python:
-        yield [function.address for function in functions]
-        return
-    calls = [CallbackFunction(function, laws) for function in functions]
-    with ExitStack() as stack:
-        stack.enter_context(calls[0].interruptible())
-        yield [call.address for call in calls]
-    for call in calls:
-        if call.error is not None:
-            raise call.error
 
 
 def _make_run(

@@ -1,0 +1,1 @@
+"""Steps over impacts: impulses of many gaps and their friction at once."""
