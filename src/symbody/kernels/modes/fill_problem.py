@@ -97,13 +97,18 @@ def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place:
         element.first = float(own.opens)
         if own.rows == 2:
             element.law = CONE
-            element.first = own.ahead
-            element.second = own.aside
-            along = own.rate * own.ahead + own.across * own.aside
-            if own.is_decided != 0.0 and is_shock == 0 and along > 0.0:  # it turns with the slip
-                size = sqrt(own.rate * own.rate + own.across * own.across)
-                element.first = own.rate / size
-                element.second = own.across / size
+            head_along(element, own, is_shock)
+
+
+def head_along(element: ModeElement, slipping: SwitchingElement, is_shock: int) -> None:
+    """Write along what a contact slips: its heading, or its velocity once that has turned from it."""
+    element.first = slipping.ahead
+    element.second = slipping.aside
+    along = slipping.rate * slipping.ahead + slipping.across * slipping.aside
+    if slipping.is_decided != 0.0 and is_shock == 0 and along > 0.0:
+        size = sqrt(slipping.rate * slipping.rate + slipping.across * slipping.across)
+        element.first = slipping.rate / size
+        element.second = slipping.across / size
 
 
 def candidate_block(modes: ModeSwitch) -> int:
