@@ -30,6 +30,15 @@ def test_a_box_slips_while_it_is_lifted_if_friction_is_less_than_it_needs(share:
         assert run["z"][-1] - run["z"][0] == pytest.approx(rise, abs=1e-9)
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6])
+def test_corners_that_strike_almost_at_once_stay_between_the_walls(rtol: float) -> None:
+    """At loose tolerances one is a little behind its wall when the other strikes, and seen all the same."""
+    module = module_of("clearance")
+    run = sb.simulate(sb.form_equations(module.model()), 0.2, rtol=rtol)
+    assert run.success
+    assert min(run[f"gap {name}"].min() for name in module.CORNERS) > -0.01 * module.PLAY
+
+
 @pytest.mark.exhaustive
 def test_a_tippe_top_ends_upside_down_with_the_spin_that_jellett_says() -> None:
     module = module_of("tippe_top")

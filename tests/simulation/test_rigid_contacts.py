@@ -559,3 +559,15 @@ def test_a_box_that_slides_and_spins_leaves_its_shares_open():
     spins = sb.simulate(eqs, 0.2, {**start, "move_wz": 3.0})
     assert spins.status is Status.FRICTION
     assert any("share a load" in note for note in spins.notes)
+
+
+def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on():
+    # Both are closed until the second one moves: then their rows contradict each other, and the first one opens.
+    body = sb.Body("Body", mass=1)
+    rail = sb.Prismatic("rail", "ground", body, axis="z", coordinate="z")
+    stops = [sb.Stop("low", gap="z"), sb.Stop("up", gap="z - max(0, t - 0.4)^2")]
+    eqs = sb.form_equations(sb.Model("lift", [rail, *stops], gravity=(0, 0, -G)))
+    run = sb.simulate(eqs, 1.0, {"z": 0.0}, scales={"length": 1.0})
+    assert run.success and run["z"][-1] == pytest.approx(0.36, rel=1e-9)
+    assert [(change.name, change.mode) for change in run.modes if change.t > 0] == [("low", "open")]
+    assert run.modes[-1].t == pytest.approx(0.4, abs=1e-9)

@@ -74,7 +74,7 @@ def shares_hold(d: Function, modes: ModeSwitch, t: float, x: Reals) -> int:
     fill_problem(modes, 0)
     problem = modes.problem
     if solve_modes(problem) != SOLVED:
-        return 1
+        return 0  # rows that hold contradict each other
     for k in range(problem.count):
         place = int(modes.places[int(modes.acting[problem.elements[k].row])])
         if place >= 0 and modes.elements[place].shares != 0.0:

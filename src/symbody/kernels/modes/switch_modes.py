@@ -342,8 +342,9 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
 def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
-    An open gap that is zero up to rounding is exactly there, and a closed one without effort but for
-    rounding has none. The value of an element that shares its effort says nothing, and never falls to zero.
+    An open gap that is zero up to rounding, or has come below, is exactly there, and a closed one without
+    effort but for rounding has none. The value of an element that shares its effort says nothing, and never
+    falls to zero.
     """
     for k in range(modes.count):
         element = modes.elements[k]
@@ -352,7 +353,7 @@ def set_levels(modes: ModeSwitch) -> None:
             element.level = -NEVER
         elif element.is_gap != 0.0:
             if element.mode != HOLDS:
-                if abs(element.width) <= AT_LENGTH * element.length:
+                if element.width <= AT_LENGTH * element.length:
                     element.level = element.width
             else:
                 element.level = CANCELLED / BALANCED * slight_effort(modes, element)
