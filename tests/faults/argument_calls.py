@@ -32,7 +32,7 @@ CONSTRUCTORS = (
     *(each.__name__ for each in shape_types().values()),
     *"Backlash Baumgarte Curve Drive Event Explicit FixedStep Frame Friction Limits Model NormalForce".split(),
     *"Partition Projection Samples".split(),
-    *"FmuInput GeneralizedAlpha Include Initial Stiff Table Trees".split(),
+    *"FmuInput GeneralizedAlpha Include Initial MoreauJean Stiff Table Trees".split(),
     *(type(each).__name__ for each in FORMULATIONS if inspect.signature(type(each)).parameters),
 )
 # Classes that take nothing, are made by functions, or are faults; and functions whose words are variadic.

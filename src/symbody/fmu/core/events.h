@@ -90,7 +90,7 @@ static int happen(Motion *m)
         m->is_fresh = 1;
         m->valid = 0;
 #if SB_ELEMENTS
-        symbody_note_ends(switch_of(m), W);
+        symbody_note_ends(SB_WATCHED_FUNCTION, switch_of(m), W, clock_of(m), m->x);
 #endif
         if (W[SB_W_HAS_ACTED] != 0.0) m->has_modes = 0;
         W[SB_W_HAS_ACTED] = 0.0;

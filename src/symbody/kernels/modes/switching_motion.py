@@ -74,7 +74,7 @@ def forget_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
         event.largest = 0.0
 
 
-def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor) -> None:
+def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor, t: float, x: Reals) -> None:
     """Take over from the search for events which modes have ended, and whether an action came before.
 
     Where a gap opens, others whose effort has fallen to zero with it open, too: no event would tell that.
@@ -89,7 +89,7 @@ def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor) -> None:
     place = monitor.ended - modes.first_event - 1
     if place >= 0 and place < modes.count:
         if modes.elements[place].is_gap != 0.0 and modes.elements[place].mode == HOLDS:
-            compute_values(e, monitor, monitor.cut, monitor.after)
+            compute_values(e, monitor, t, x)
             for k in range(modes.count):
                 other = modes.elements[k]
                 if other.is_gap != 0.0 and other.mode == HOLDS and other.shares == 0.0:
@@ -123,7 +123,7 @@ def switch_at_cut(
 ) -> int:  # fmt: skip
     """Go on behind a cut in the modes that are decided there; return a code of `block`."""
     state = monitor.after
-    note_ends(e, modes, monitor)
+    note_ends(e, modes, monitor, monitor.cut, state)
     if monitor.has_acted != 0.0:
         modes.culprit = find_overlap(d, modes, monitor.cut, state)
         if modes.culprit != 0:
