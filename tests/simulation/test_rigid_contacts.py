@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from itertools import permutations
 from typing import Any
 
@@ -272,7 +272,10 @@ def test_what_is_pressed_against_a_guided_body_holds_it(across: str, along: str)
 
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 @pytest.mark.parametrize("speed", [0.0, 1.0])
-def test_feet_whose_forces_end_together_let_go_together(mu: float, speed: float) -> None:
+@pytest.mark.parametrize("integrator", [None, sb.Stiff()], ids=["", "Stiff"])
+def test_feet_whose_forces_end_together_let_go_together(
+    mu: float, speed: float, integrator: sb.Stiff | None
+) -> None:
     """A body on two feet, lifted by 20 t: off the floor at t = g/20, none of its feet pulls."""
     body = sb.Body(
         "B", mass=1, inertia=(0.1,) * 3, frames={"l": sb.Frame((-R, 0, -R)), "r": sb.Frame((R, 0, -R))}
@@ -288,7 +291,7 @@ def test_feet_whose_forces_end_together_let_go_together(mu: float, speed: float)
         sb.Force("lift", on="B", vector=[0, 0, "20*t"]),
     ]
     eqs = sb.form_equations(sb.Model("lifted", parts, gravity=(0, 0, -G)))
-    run = sb.simulate(eqs, 1.0, {"z": R, "x_dot": speed}, rtol=1e-10)
+    run = sb.simulate(eqs, 1.0, {"z": R, "x_dot": speed}, rtol=1e-10, integrator=integrator)
     flies = 1 - G / 20
     assert [event.t for event in run.events if event.name in ("l open", "r open")] == pytest.approx(
         [G / 20] * 2
@@ -509,8 +512,8 @@ def test_friction_opposes_slip_in_steppers(lanes: int) -> None:
     check_pushed(place, velocity, force, 1e-7)
 
 
-def thrown_boxes(count: int) -> Iterator[tuple[sb.Trajectory, Floats]]:
-    """Yield motions of a box thrown at random onto a floor, with its energy [J]; the floor is 0."""
+def thrown_boxes(chosen: Collection[int]) -> Iterator[tuple[sb.Trajectory, Floats]]:
+    """Yield some motions of a box thrown at random onto a floor, with its energy [J]; the floor is 0."""
     mass, edges = 2.0, np.array([0.4, 0.2, 0.3])
     inertia = mass / 12 * (np.sum(edges**2) - edges**2)
     box = sb.Body("Box", mass=mass, inertia=tuple(inertia))
@@ -520,8 +523,10 @@ def thrown_boxes(count: int) -> Iterator[tuple[sb.Trajectory, Floats]]:
     )  # fmt: skip
     eqs = sb.form_equations(sb.Model("box", [sb.Free("move", "ground", box), floor], gravity=(0, 0, -9.81)))
     rng = np.random.default_rng(1)
-    for _ in range(count):
+    for k in range(30):
         angles, velocity, rates = rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3), rng.uniform(-4, 4, 3)
+        if k not in chosen:
+            continue
         x, y, z, w = Rotation.from_euler("xyz", angles).as_quat()
         start = {"move_z": 0.6, "move_qw": w, "move_qx": x, "move_qy": y, "move_qz": z}
         start |= {f"move_v{axis}": value for axis, value in zip("xyz", velocity, strict=True)}
@@ -532,12 +537,13 @@ def thrown_boxes(count: int) -> Iterator[tuple[sb.Trajectory, Floats]]:
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(4, id="4"), pytest.param(30, id="30", marks=pytest.mark.exhaustive)]
+    "chosen",
+    [pytest.param({2, 10, 21}, id="three"), pytest.param(range(30), id="all", marks=pytest.mark.exhaustive)],
 )
-def test_a_thrown_box_never_gains_energy(count):
-    # It lands on corners, edges and faces, slips, turns over edges, and stops; what it cannot decide it says.
+def test_a_thrown_box_never_gains_energy(chosen: Collection[int]) -> None:
+    """It lands on corners, edges and faces, slips, turns over edges, and stops; what it cannot decide it says."""
     statuses = set()
-    for run, energy in thrown_boxes(count):
+    for run, energy in thrown_boxes(chosen):
         assert np.isfinite(energy).all()
         assert np.diff(energy).max() < 1e-7  # of 12 J, with rtol 1e-8
         assert run["gap floor"].min() > -1e-7
@@ -545,7 +551,7 @@ def test_a_thrown_box_never_gains_energy(count):
     assert statuses <= {Status.SUCCESS, Status.FRICTION}
 
 
-def test_a_box_that_slides_and_spins_leaves_its_shares_open():
+def test_a_box_that_slides_and_spins_leaves_its_shares_open() -> None:
     box = sb.Body("Box", mass=2, inertia=(0.02, 0.04, 0.03))
     floor = sb.Contact(
         "floor", "ground", box, ["plane", {"box": [0.4, 0.3, 0.2]}],
@@ -561,8 +567,8 @@ def test_a_box_that_slides_and_spins_leaves_its_shares_open():
     assert any("share a load" in note for note in spins.notes)
 
 
-def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on():
-    # Both are closed until the second one moves: then their rows contradict each other, and the first one opens.
+def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on() -> None:
+    """Both are closed until the second one moves: then their rows contradict each other, and one opens."""
     body = sb.Body("Body", mass=1)
     rail = sb.Prismatic("rail", "ground", body, axis="z", coordinate="z")
     stops = [sb.Stop("low", gap="z"), sb.Stop("up", gap="z - max(0, t - 0.4)^2")]

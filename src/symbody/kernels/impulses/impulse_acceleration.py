@@ -12,7 +12,7 @@ from typing import Final
 from symbody.kernels.impulses.impulse_responses import add_impulse
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.language import Reals, half, part, sqrt
-from symbody.kernels.linear.cholesky import factor_positive, solve_positive
+from symbody.kernels.linear.cholesky import factor_positive, solve_lower
 
 MEMORY: Final = 5
 SLIGHT: Final = 1e-12  # added to the diagonal of the normal equations, as a share of their trace
@@ -106,7 +106,7 @@ def extrapolate(step: ImpulseStep) -> None:
     if factor_positive(count, step.normal_matrix) == 0:
         forget_sweeps(step)
         return
-    solve_positive(count, step.normal_matrix, step.weights)
+    solve_lower(count, count, step.normal_matrix, step.weights)
     for i in range(n):
         total = 0.0
         for j in range(count):

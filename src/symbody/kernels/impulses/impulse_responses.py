@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.language import Reals, part
-from symbody.kernels.linear.cholesky import factor_positive, solve_positive
+from symbody.kernels.linear.cholesky import factor_positive, solve_lower
 from symbody.kernels.linear.solve_saddle import solve_saddle
 
 
@@ -113,7 +113,7 @@ def invert_mass(n: int, M: Reals, inverse: Reals, L: Reals) -> int:
     for i in range(n):
         column = part(inverse, i * n, n)
         column[i] = 1.0
-        solve_positive(n, L, column)
+        solve_lower(n, n, L, column)
     return 1
 
 

@@ -24,18 +24,15 @@ class ImpulseStep(RecordLayout):
     answers_size: int
     values_size: int
     responses_size: int
-    largest_block: int
     block_room: int  # for the solution of one block
     tolerance: float
     sweeps: int  # at most
 
     # The pattern
-    block_first: Reals = pointer("blocks")  # among block_speeds
     block_sizes: Reals = pointer("blocks")
     block_rows: Reals = pointer("blocks")  # rows that always hold
     block_values: Reals = pointer("blocks")  # where M stands in `values`, and these rows behind it
     block_responses: Reals = pointer("blocks")  # where the inverse stands in `responses`
-    block_speeds: Reals = pointer("speeds")
     owners: Reals = pointer("speeds")  # the block of each
     local_places: Reals = pointer("speeds")  # its place there
     point_first: Reals = pointer("points")  # the first row
@@ -69,7 +66,7 @@ class ImpulseStep(RecordLayout):
     kept: Reals = pointer("rows")  # those of the last step
     before: Reals = pointer("rows")  # rates with the speeds at the begin
     without: Reals = pointer("rows")  # rates without impulses
-    curbs: Reals = pointer("points")  # where a search for slip ended last
+    multipliers: Reals = pointer("points")  # where a search for slip ended last
     free: Reals = pointer("speeds")  # speeds without impulses
     moving: Reals = pointer("speeds")
     turn: Reals = pointer("states")  # rates of coordinates

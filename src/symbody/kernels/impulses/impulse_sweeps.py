@@ -124,8 +124,8 @@ def sweep_point(step: ImpulseStep, point: int, h: float) -> None:
         b[r] = rates[r]
         for s in range(rows):
             b[r] = b[r] - G[3 * r + s] * impulses[s]
-    curb = step.curbs[point]
-    step.curbs[point] = solve_point(rows, gap, values[1], values[2], h, G, b, curb, P, A)
+    begin = step.multipliers[point]
+    step.multipliers[point] = solve_point(rows, gap, values[1], values[2], h, G, b, begin, P, A)
     for r in range(rows):
         change = P[r] - impulses[r]
         if change != 0.0:

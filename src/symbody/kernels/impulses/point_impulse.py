@@ -2,8 +2,8 @@
 
 With the rates b that the point would have without its own impulse P, the rates are ``b + G P``. Sticking has
 none across; slipping has ``P_t = -P_n mu v/abs(v)``, which is ``(G_tt + k) P_t + G_tn P_n + b_t = 0`` with
-the one curb k >= 0 at which the norm of P_t is ``mu P_n``. Where sticking needs too much, such a curb exists:
-with growing k the impulse across vanishes. It is found between bounds.
+the one multiplier k >= 0, of the bound on P_t, at which the norm of P_t is ``mu P_n``. Where sticking needs
+too much, such a multiplier exists: with growing k the impulse across vanishes. It is found between bounds.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ NEARLY: Final = 4.0e-16
 FLAT: Final = 1e-14  # share of a diagonal entry below which a pivot is rounding
 
 # Scratch: a matrix (9,), then the bracket of a search.
-LOW: Final = 0  # a share of the curb at which the point can slip, and by how much
+LOW: Final = 0  # a share of the multiplier at which the point can slip, and by how much
 BELOW: Final = 1
 HIGH: Final = 2  # one at which friction cannot do what it takes
 ABOVE: Final = 3
@@ -24,8 +24,10 @@ SIDE: Final = 4  # which of both was found last
 SCRATCH: Final = 16
 
 
-def solve_curbed(rows: int, first: int, G: Reals, b: Reals, curb: float, P: Reals, A: Reals) -> None:
-    """Set P (rows,) to the solution of ``(G + curb) P = -b``, the curb in rows from `first` on.
+def solve_with_multiplier(
+    rows: int, first: int, G: Reals, b: Reals, multiplier: float, P: Reals, A: Reals
+) -> None:  # fmt: skip
+    """Set P (rows,) to the solution of ``(G + multiplier) P = -b``, the multiplier in rows from `first` on.
 
     Rows that follow from others get none. A is scratch (9,).
     """
@@ -34,11 +36,11 @@ def solve_curbed(rows: int, first: int, G: Reals, b: Reals, curb: float, P: Real
         for j in range(rows):
             A[3 * i + j] = G[3 * i + j]
         if i >= first:
-            A[4 * i] = A[4 * i] + curb
+            A[4 * i] = A[4 * i] + multiplier
     for k in range(rows):
         size = G[4 * k]
         if k >= first:
-            size = size + curb
+            size = size + multiplier
         if not A[4 * k] > FLAT * size:
             A[4 * k] = 0.0
         else:
@@ -81,7 +83,7 @@ def solve_point(
     rows: int, first: int, strength: float, limit: float, pressing: float, G: Reals, b: Reals, begin: float,
     P: Reals, A: Reals,
 ) -> float:  # fmt: skip
-    """Set P (rows,) to the impulse at a point; return the share of the curb of its slip, 0 without slip.
+    """Set P (rows,) to the impulse at a point; return the share of its multiplier, 0 without slip.
 
     Parameters
     ----------
@@ -104,20 +106,20 @@ def solve_point(
         P[0] = -b[0] / G[0]
     if rows == first:
         return 0.0
-    solve_curbed(rows, first, G, b, 0.0, P, A)
+    solve_with_multiplier(rows, first, G, b, 0.0, P, A)
     if not friction_excess(rows, first, limit, pressing, P) > 0.0:
         if first == 0 or P[0] >= 0.0:
             return 0.0
-    return search_curb(rows, first, strength, pressing, G, b, begin, P, A)
+    return search_multiplier(rows, first, strength, pressing, G, b, begin, P, A)
 
 
-def search_curb(
+def search_multiplier(
     rows: int, first: int, strength: float, pressing: float, G: Reals, b: Reals, begin: float, P: Reals,
     A: Reals,
 ) -> float:  # fmt: skip
-    """Set P to the impulse of a point that slips; return the share of its curb.
+    """Set P to the impulse of a point that slips; return the share of its multiplier.
 
-    The curb k is looked for by the share ``g/(g + k)`` from 0 to 1, g the largest response across: the
+    The multiplier k is looked for by the share ``g/(g + k)`` from 0 to 1, g the largest response across: the
     impulse across grows nearly as that.
     """
     stiffest = stiffest_across(rows, first, G)
@@ -137,14 +139,14 @@ def search_curb(
         share = inner_share(bracket, share)
         if is_inside(bracket, share) == 0:
             break
-        solve_curbed(rows, first, G, b, stiffest * (1.0 - share) / share, P, A)
+        solve_with_multiplier(rows, first, G, b, stiffest * (1.0 - share) / share, P, A)
         narrow(
             bracket, share, friction_excess(rows, first, strength, pressing, P), norm_across(rows, first, P)
         )
         share = 0.0
     low = bracket[LOW]
     if low > 0.0:
-        solve_curbed(rows, first, G, b, stiffest * (1.0 - low) / low, P, A)
+        solve_with_multiplier(rows, first, G, b, stiffest * (1.0 - low) / low, P, A)
         if first == 0 or P[0] > 0.0 and is_finite(P[0]):
             return low
     for i in range(first, rows):

@@ -21,15 +21,15 @@ def factor_positive(n: int, A: Reals) -> int:
     return 1
 
 
-def solve_positive(n: int, A: Reals, y: Reals) -> None:
-    """Overwrite y (n,) by the solution, from what `factor_positive` left."""
+def solve_lower(n: int, width: int, L: Reals, x: Reals) -> None:
+    """Overwrite x (n,) by the solution of ``L L^T x = b``; L has rows of some width."""
     for i in range(n):
-        total = y[i]
-        for k in range(i):
-            total = total - A[i * n + k] * y[k]
-        y[i] = total / A[i * n + i]
+        total = x[i]
+        for j in range(i):
+            total = total - L[i * width + j] * x[j]
+        x[i] = total / L[i * width + i]
     for i in range(n - 1, -1, -1):
-        total = y[i]
-        for k in range(i + 1, n):
-            total = total - A[k * n + i] * y[k]
-        y[i] = total / A[i * n + i]
+        rest = x[i]
+        for j in range(i + 1, n):
+            rest = rest - L[j * width + i] * x[j]
+        x[i] = rest / L[i * width + i]

@@ -37,7 +37,7 @@ ONE: Final = 0
 NONE: Final = 1
 TWO: Final = 2
 NOT_FOUND: Final = 3  # by the search; there may be some
-SHARED: Final = 4  # one, but for friction of what slips on efforts that rigid bodies leave open
+SHARED: Final = 4  # of `switch_modes`: friction of what slips follows from shares that are left open
 
 MOST_UNDECIDED: Final = 4  # elements of which all modes are tried
 BALANCED: Final = 1e-9  # loads and accelerations that differ by less of themselves, `symbody.tolerances`

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.language import Reals, sqrt
+from symbody.kernels.linear.cholesky import solve_lower
 from symbody.kernels.modes.mode_problem import ModeProblem
 
 # A row depends on others if the square of its distance from them, over its own, is rounding: L is found from
@@ -127,20 +128,6 @@ def shares_effort(problem: ModeProblem, i: int, y: Reals) -> int:
     if 1.0 - own > SHARED:
         return 1
     return 0
-
-
-def solve_lower(n: int, width: int, L: Reals, x: Reals) -> None:
-    """Overwrite x (n,) by the solution of ``L L^T x = b``; L has rows of some width."""
-    for i in range(n):
-        total = x[i]
-        for j in range(i):
-            total = total - L[i * width + j] * x[j]
-        x[i] = total / L[i * width + i]
-    for i in range(n - 1, -1, -1):
-        rest = x[i]
-        for j in range(i + 1, n):
-            rest = rest - L[j * width + i] * x[j]
-        x[i] = rest / L[i * width + i]
 
 
 def multiply_transposed(n: int, rank: int, L: Reals, x: Reals, y: Reals) -> None:

@@ -75,10 +75,7 @@ def forget_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
 
 
 def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor, t: float, x: Reals) -> None:
-    """Take over from the search for events which modes have ended, and whether an action came before.
-
-    Where a gap opens, others whose effort has fallen to zero with it open, too: no event would tell that.
-    """
+    """Take over from the search for events which modes have ended, and whether an action came before."""
     for k in range(modes.count):
         event = monitor.events[modes.first_event + k]
         modes.elements[k].ended = 0.0
@@ -86,21 +83,32 @@ def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor, t: float, x
             modes.elements[k].ended = 1.0
         if event.just_happened != 0.0:
             event.just_happened = 0.0
-    place = monitor.ended - modes.first_event - 1
-    if place >= 0 and place < modes.count:
-        if modes.elements[place].is_gap != 0.0 and modes.elements[place].mode == HOLDS:
-            compute_values(e, monitor, t, x)
-            for k in range(modes.count):
-                other = modes.elements[k]
-                if other.is_gap != 0.0 and other.mode == HOLDS and other.shares == 0.0:
-                    if (
-                        monitor.values[modes.first_event + k]
-                        <= TOUCHING * monitor.events[modes.first_event + k].largest
-                    ):
-                        other.ended = 1.0
+    open_together(e, modes, monitor, t, x)
     monitor.ended = 0
     if monitor.has_acted != 0.0:
         forget_modes(modes)
+
+
+def open_together(e: Function, modes: ModeSwitch, monitor: EventMonitor, t: float, x: Reals) -> int:
+    """Where a gap opens, let others open whose effort has come to zero with it; return how many.
+
+    No event would tell that later.
+    """
+    count = 0
+    place = monitor.ended - modes.first_event - 1
+    if place < 0 or place >= modes.count:
+        return count
+    if modes.elements[place].is_gap == 0.0 or modes.elements[place].mode != HOLDS:
+        return count
+    compute_values(e, monitor, t, x)
+    for k in range(modes.count):
+        other = modes.elements[k]
+        if other.is_gap != 0.0 and other.mode == HOLDS and other.shares == 0.0:
+            event = monitor.events[modes.first_event + k]
+            if monitor.values[modes.first_event + k] <= TOUCHING * event.largest:
+                other.ended = 1.0
+                count = count + 1
+    return count
 
 
 def run_code(code: int) -> int:

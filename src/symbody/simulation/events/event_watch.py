@@ -143,7 +143,7 @@ class EventWatch:
     @property
     def has_ended_mode(self) -> bool:
         """Whether a mode has ended where the motion ends, which is to go on in others."""
-        return self.modes is not None and self.modes.note_ends(self._block)
+        return self.modes is not None and self.modes.note_ends(self._block, self._functions.addresses[0])
 
     @property
     def last_time(self) -> float:

@@ -311,12 +311,17 @@ class SwitchingModes:
         for k, element in enumerate(switch.elements):
             monitor.events[switch.first_event + k].level = element.level
 
-    def note_ends(self, watch: Floats) -> bool:
-        """Take over which mode has ended where a search for events handed over; return whether one has."""
-        ended = EventMonitor(watch).ended
+    def note_ends(self, watch: Floats, values: int) -> bool:
+        """Take over which modes have ended where a search for events handed over; return whether one has.
+
+        `values` is the address of the function of its values.
+        """
+        monitor = EventMonitor(watch)
         for k, element in enumerate(self.switch.elements):
-            element.ended = float(ended == self.switch.first_event + k + 1)
-        return bool(ended)
+            element.ended = float(monitor.ended == self.switch.first_event + k + 1)
+        arrays = address(self._block), address(watch)
+        _kernel("open_together")(values, *arrays, monitor.cut, address(np.array(monitor.before)))
+        return bool(monitor.ended)
 
     def arguments(self, block: Floats) -> Mapping[str, int | Floats]:
         """Return the functions that decide and project, the modes, and their record."""
@@ -498,6 +503,7 @@ def _library() -> Mapping[str, Callable[..., int]]:
     kinds: dict[str, list[Any]] = {
         "settle_modes": [*[_POINTER] * 4, real, _POINTER],
         "find_overlap": [_POINTER, _POINTER, real, _POINTER],
+        "open_together": [*[_POINTER] * 3, real, _POINTER],
         "note_end_of_shares": [*[_POINTER] * 2, integer, *[_POINTER] * 3],
     }
     addresses = load_kernels("switching_motion", tuple(kinds), light=True)
