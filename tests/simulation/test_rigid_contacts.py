@@ -577,3 +577,39 @@ def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on() -> None:
     assert run.success and run["z"][-1] == pytest.approx(0.36, rel=1e-9)
     assert [(change.name, change.mode) for change in run.modes if change.t > 0] == [("low", "open")]
     assert run.modes[-1].t == pytest.approx(0.4, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(8), id="few"),
+        pytest.param([k for k in range(8, 60) if k != 11], id="many", marks=pytest.mark.exhaustive),
+        # All feet come to rest at almost one instant; one that turns back in the first 1e-7 of a step is not seen.
+        pytest.param([11], id="11", marks=[pytest.mark.exhaustive, pytest.mark.xfail(strict=True)]),
+    ],
+)
+def test_a_tripod_that_slides_and_spins_comes_to_rest(seeds: range) -> None:
+    """Three feet share its weight in one way; where one of them nearly stops, its slip turns at once.
+
+    Friction takes energy all the time. In the last instants the others turn about that foot.
+    """
+    angles = np.radians([0, 120, 240])
+    feet = {f"f{k}": sb.Frame((0.2 * np.cos(a), 0.15 * np.sin(a), -0.1)) for k, a in enumerate(angles)}
+    mass, inertia = 2.0, np.array([0.02, 0.04, 0.03])
+    body = sb.Body("Body", mass=mass, inertia=tuple(inertia), frames=feet)
+    floors = [
+        sb.Contact(
+            foot, "ground", f"Body.{foot}", ["plane", "point"], normal="rigid", friction=sb.Friction(mu=0.3)
+        )
+        for foot in feet
+    ]
+    eqs = sb.form_equations(
+        sb.Model("tripod", [sb.Free("move", "ground", body), *floors], gravity=(0, 0, -G))
+    )
+    for seed in seeds:
+        vx, vy, spin = np.random.default_rng(seed).uniform(-1, 1, 3) * [0.5, 0.5, 3]
+        run = sb.simulate(eqs, 2.0, {"move_z": 0.1, "move_vx": vx, "move_vy": vy, "move_wz": spin})
+        v, w = (np.column_stack([run[f"move_{kind}{axis}"] for axis in "xyz"]) for kind in "vw")
+        energy = 0.5 * mass * np.sum(v**2, axis=1) + 0.5 * w**2 @ inertia
+        assert run.success and energy[-1] < 1e-12
+        assert np.diff(energy).max() < 1e-8 * energy[0]

@@ -38,6 +38,7 @@ from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
 from symbody.kernels.runge_kutta import call, copy
 
 NEVER: Final = 1e100  # a value that does not come to zero
+UNCERTAIN: Final = 1e3  # times as fast as at rest
 FAST: Final = 1e6  # ends that approach so many times faster than at rest do not come back at once
 
 
@@ -177,12 +178,14 @@ def open_elements(modes: ModeSwitch, again: int) -> int:
 def has_turned(modes: ModeSwitch, element: SwitchingElement) -> int:
     """Return 1 if what slipped until an event turns back: it came to rest a little before, else 0.
 
-    A contact that slips across its heading by then has not come to rest.
+    A contact that slips across its heading by then has not come to rest, unless that is as slow as a state
+    between the ends of a step is uncertain.
     """
     along = float(element.mode) * element.rate
     if element.rows == 2:
         along = float(element.mode) * (element.rate * element.ahead + element.across * element.aside)
-        if abs(element.across * element.ahead - element.rate * element.aside) > slow_rate(modes, element):
+        aside = abs(element.across * element.ahead - element.rate * element.aside)
+        if aside > UNCERTAIN * slow_rate(modes, element):
             return 0
     if element.ended != 0.0 and element.before != 0.0 and along < 0.0 and element.absent == 0.0:
         return 1
