@@ -582,10 +582,8 @@ def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on() -> None:
 @pytest.mark.parametrize(
     "seeds",
     [
-        pytest.param(range(8), id="few"),
-        pytest.param([k for k in range(8, 60) if k != 11], id="many", marks=pytest.mark.exhaustive),
-        # All feet come to rest at almost one instant; one that turns back in the first 1e-7 of a step is not seen.
-        pytest.param([11], id="11", marks=[pytest.mark.exhaustive, pytest.mark.xfail(strict=True)]),
+        pytest.param([0, 1, 2, 11], id="few"),
+        pytest.param(range(8, 60), id="many", marks=pytest.mark.exhaustive),
     ],
 )
 def test_a_tripod_that_slides_and_spins_comes_to_rest(seeds: range) -> None:

@@ -32,6 +32,7 @@ from symbody.kernels.modes.mode_state import (
     SETTLED,
     forget_modes,
     show_modes,
+    slow_rate,
 )
 from symbody.kernels.modes.mode_switch import ModeSwitch
 from symbody.kernels.modes.switch_modes import find_overlap, settle_modes
@@ -72,6 +73,16 @@ def forget_ends(modes: ModeSwitch, monitor: EventMonitor) -> None:
         event.done = 0.0
         event.waits = 0.0
         event.largest = 0.0
+
+
+def keep_sides(modes: ModeSwitch, monitor: EventMonitor) -> None:
+    """Begin on its own side with what slips on behind an event, however near to rest it may be there.
+
+    Several contacts may stop almost at once; one that has turned back by then ends its mode there.
+    """
+    for k in range(modes.count):
+        if modes.kept[k] > slow_rate(modes, modes.elements[k]):
+            monitor.events[modes.first_event + k].goes_through = 1.0
 
 
 def note_ends(e: Function, modes: ModeSwitch, monitor: EventMonitor, t: float, x: Reals) -> None:
@@ -151,6 +162,7 @@ def switch_at_cut(
         monitor.events[k].side = 0.0  # that of the last sample says nothing of this cut
     watch_again(e, run, monitor)
     forget_ends(modes, monitor)
+    keep_sides(modes, monitor)
     return code
 
 
