@@ -26,7 +26,6 @@ class ModeVerdict(IntEnum):
     NONE = 1
     TWO = 2
     NOT_FOUND = 3
-    SHARED = 4
 
 
 @dataclass(frozen=True, slots=True)

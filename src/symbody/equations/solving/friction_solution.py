@@ -71,7 +71,7 @@ class FrictionSolver:
         self.laws = formed.friction
         self.zero = number(self.graph, 0)
         self.unknowns = [self.graph.symbol(symbol) for symbol in unknown_symbols(formed)]
-        reads = any(law.reads_reaction and law.touch is None for law in self.laws)
+        reads = any(law.reads_reaction for law in self.laws)
         stress = self_stress(formed) if reads else None
         self.stress = stress if stress and stress.blocks else None
         self.loads = self.affine([x.index for x in self.stress.values(formed)] if self.stress else [])

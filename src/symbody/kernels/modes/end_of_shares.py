@@ -13,9 +13,10 @@ from symbody.kernels.language import INFINITY, Function, Reals
 from symbody.kernels.modes.fill_problem import fill_problem
 from symbody.kernels.modes.find_modes import overload_of
 from symbody.kernels.modes.mode_problem import HOLDS
+from symbody.kernels.modes.mode_shares import solve_modes
 from symbody.kernels.modes.mode_state import measure
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
+from symbody.kernels.modes.mode_trial import SOLVED
 
 SHARE_NODES: Final = 8  # places of a step at which shares are looked for
 SHARE_HALVINGS: Final = 50

@@ -67,10 +67,9 @@ def takes_part(modes: ModeSwitch, place: int, is_shock: int) -> int:
 def fill_element(modes: ModeSwitch, element: ModeElement, candidate: int, place: int, is_shock: int) -> None:
     """Write one candidate into the mode problem."""
     joints = modes.candidates - modes.gaps
-    size = modes.out[3 * joints + candidate_block(modes) + candidate]
     element.law = BOUNDED
     element.scale = modes.units[candidate]
-    element.rounding = BALANCED * size + CANCELLED * element.scale / (modes.time * modes.time)
+    element.rounding = slight_acceleration(modes, candidate)
     element.sliding = 0.0
     element.static = 0.0
     element.moves = 0.0
@@ -177,14 +176,17 @@ def acceleration_of(modes: ModeSwitch, candidate: int) -> float:
     return total
 
 
+def slight_acceleration(modes: ModeSwitch, candidate: int) -> float:
+    """Return the acceleration along the row of a candidate that is rounding."""
+    size = modes.out[3 * (modes.candidates - modes.gaps) + candidate_block(modes) + candidate]
+    return BALANCED * size + CANCELLED * modes.units[candidate] / (modes.time * modes.time)
+
+
 def slight_effort(modes: ModeSwitch, element: SwitchingElement) -> float:
     """Return the effort of an element that is rounding; 0 if it accelerates nothing."""
     n = modes.candidates
-    joints = n - modes.gaps
     c = element.candidate
-    response = modes.out[3 * joints + n + c * n + c]
-    size = modes.out[3 * joints + candidate_block(modes) + c]
-    rounding = BALANCED * size + CANCELLED * element.unit / (modes.time * modes.time)
+    response = modes.out[3 * (n - modes.gaps) + n + c * n + c]
     if response > 0.0:
-        return rounding / response
+        return slight_acceleration(modes, c) / response
     return 0.0

@@ -30,14 +30,14 @@ from symbody.kernels.modes.mode_problem import (
     ModeElement,
     ModeProblem,
 )
-from symbody.kernels.modes.mode_trial import is_held, list_held, row_count, solve_modes
+from symbody.kernels.modes.mode_shares import solve_modes
+from symbody.kernels.modes.mode_trial import is_held, list_held, row_count
 
 # What `find_modes` returns.
 ONE: Final = 0
 NONE: Final = 1
 TWO: Final = 2
 NOT_FOUND: Final = 3  # by the search; there may be some
-SHARED: Final = 4  # of `switch_modes`: friction of what slips follows from shares that are left open
 
 MOST_UNDECIDED: Final = 4  # elements of which all modes are tried
 BALANCED: Final = 1e-9  # loads and accelerations that differ by less of themselves, `symbody.tolerances`
@@ -282,10 +282,36 @@ def compare(problem: ModeProblem, was_found: int) -> None:
     if problem.solutions == 0:
         problem.solutions = 1
         keep(problem)
-    elif is_kinetic(problem) == 1 and problem.kept_kinetic == 1.0 and differs(problem) == 1:
+    elif is_apart(problem) == 1:
         problem.solutions = 2
     elif was_found == 0 and count_held(problem) > problem.kept_held:
         keep(problem)
+
+
+def is_apart(problem: ModeProblem) -> int:
+    """Return 1 if a solution contradicts the one that is kept, both within kinetic strengths, else 0.
+
+    Two with one mean differ in shares alone.
+    """
+    if is_kinetic(problem) == 1 and problem.kept_kinetic == 1.0 and differs(problem) == 1:
+        return 1 - has_mean(problem)
+    return 0
+
+
+def has_mean(problem: ModeProblem) -> int:
+    """Return 1 if the mean of a solution and the one that is kept is one, too, else 0.
+
+    What may hold or not accelerates alike in both, and friction is linear in reactions of one component.
+    """
+    for k in range(problem.count):
+        element = problem.elements[k]
+        if element.normals > 1 and element.sliding != 0.0:
+            return 0
+        if element.moves == 0.0:
+            for i in range(element.row, element.row + row_count(element)):
+                if row_differs(problem, i) == 1:
+                    return 0
+    return 1
 
 
 def hold_all(problem: ModeProblem) -> None:
@@ -390,7 +416,14 @@ def restore(problem: ModeProblem) -> None:
 def differs(problem: ModeProblem) -> int:
     """Return 1 if accelerations differ from those of the solution that was kept, else 0."""
     for i in range(problem.rows):
-        difference = abs(problem.accelerations[i] - problem.saved_rows[2 * i + 1])
-        if difference > DIFFERENT * term_sum(problem, i):
+        if row_differs(problem, i) == 1:
             return 1
+    return 0
+
+
+def row_differs(problem: ModeProblem, i: int) -> int:
+    """Return 1 if an acceleration differs from that of the solution that was kept, else 0."""
+    difference = abs(problem.accelerations[i] - problem.saved_rows[2 * i + 1])
+    if difference > DIFFERENT * term_sum(problem, i):
+        return 1
     return 0

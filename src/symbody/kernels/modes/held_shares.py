@@ -1,5 +1,8 @@
 """Shares of efforts that hold dependent rows: of least norm among those within the bounds.
 
+Shares from which friction of what slips follows have no bounds: they are those of least norm, as in the
+equations of the motion.
+
 Where rows depend on each other, efforts that hold them are not unique. Of those within their bounds, the ones
 of least norm are ``x = P(L y)``, P the projection onto the bounds, with y the minimum of a convex function
 whose slope is ``L^T P(L y) - L^T x0``, x0 any efforts that hold; Newton's method with a line search finds it
@@ -10,10 +13,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from symbody.kernels.language import Reals, part, sqrt
+from symbody.kernels.language import INFINITY, Reals, part, sqrt
 from symbody.kernels.linear.dense_factors import factor_dense, solve_dense
 from symbody.kernels.modes.held_rows import multiply_factor, multiply_transposed
-from symbody.kernels.modes.mode_problem import CONE, HOLDS, UNILATERAL, ModeProblem
+from symbody.kernels.modes.mode_problem import CONE, HOLDS, UNILATERAL, ModeElement, ModeProblem
 
 # What `share_efforts` returns.
 WITHIN_BOUNDS: Final = 0
@@ -66,10 +69,10 @@ def overload(problem: ModeProblem, x: Reals, projected: Reals) -> float:
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
             i = held_place(problem, element.row)
-            bound = element.static * element.normal_load * element.scale
+            bound = bound_of(element)
             if element.law == UNILATERAL:
-                projected[i] = max(x[i], 0.0)
-                if x[i] < 0.0:
+                projected[i] = max(x[i], -bound)
+                if x[i] < -bound:
                     outside = 1.0
             elif element.law == CONE:
                 j = held_place(problem, element.row + 1)
@@ -86,6 +89,15 @@ def overload(problem: ModeProblem, x: Reals, projected: Reals) -> float:
                 if abs(x[i]) > bound * (1.0 + WITHIN):
                     outside = 1.0
     return outside
+
+
+def bound_of(element: ModeElement) -> float:
+    """Return how large the work of an element may be: of friction both ways, of a gap below 0."""
+    if element.rubs != 0.0:
+        return INFINITY
+    if element.law == UNILATERAL:
+        return 0.0
+    return element.static * element.normal_load * element.scale
 
 
 def find_share(problem: ModeProblem, x: Reals, y: Reals, slope: Reals) -> int:
@@ -133,11 +145,11 @@ def put_curvature(problem: ModeProblem, z: Reals) -> None:
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
             i = held_place(problem, element.row)
-            bound = element.static * element.normal_load * element.scale
+            bound = bound_of(element)
             if element.law == CONE:
                 add_disc(problem, i, held_place(problem, element.row + 1), bound, z, H)
             elif element.law == UNILATERAL:
-                if z[i] >= 0.0:
+                if z[i] >= -bound:
                     add_square(n, rank, L, H, i, i, 1.0)
             elif abs(z[i]) <= bound:
                 add_square(n, rank, L, H, i, i, 1.0)
@@ -209,13 +221,13 @@ def height(problem: ModeProblem, y: Reals, z: Reals, fixed: Reals) -> float:
         element = problem.elements[k]
         if element.mode == HOLDS and element.moves == 0.0:
             i = held_place(problem, element.row)
-            bound = element.static * element.normal_load * element.scale
+            bound = bound_of(element)
             square = z[i] * z[i]
             if element.law == CONE:
                 j = held_place(problem, element.row + 1)
                 square = square + z[j] * z[j]
             if element.law == UNILATERAL:
-                if z[i] > 0.0:
+                if z[i] > -bound:
                     total = total + 0.5 * square
             elif square <= bound * bound:
                 total = total + 0.5 * square

@@ -38,6 +38,7 @@ class ModeElement(RecordLayout):
     normal_load: float  # norm of the reaction, 1 if the bound does not read one
     excess: float  # by how much its mode is violated, as a work
     reversal: float  # the same as an acceleration over the size
+    rubs: float  # whether friction of what slips follows from its share of the efforts that hold
 
 
 class ModeProblem(RecordLayout):

@@ -1,4 +1,8 @@
-"""Which elements share the efforts with which they hold: rigid bodies do not say how much each one bears."""
+"""Efforts in given modes, where several elements may share those that hold.
+
+Rigid bodies do not say how much each one bears. It matters under a box that slides and spins on four corners:
+friction in each follows from its share, and the motion from friction.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +10,50 @@ from typing import Final
 
 from symbody.kernels.language import Reals, part
 from symbody.kernels.modes.held_rows import factor_held, shares_effort
-from symbody.kernels.modes.held_shares import held_place
+from symbody.kernels.modes.held_shares import NONE_WITHIN, WITHIN_BOUNDS, held_place, share_efforts
 from symbody.kernels.modes.mode_problem import ModeElement, ModeProblem
 from symbody.kernels.modes.mode_switch import ModeSwitch
-from symbody.kernels.modes.mode_trial import hold_rows, is_held, is_slider, list_held, put_friction
+from symbody.kernels.modes.mode_trial import (
+    SOLVED,
+    hold_rows,
+    is_held,
+    is_slider,
+    list_held,
+    put_friction,
+    row_count,
+    solve_directions,
+)
 
 MATTERS: Final = 1e-6  # accelerations by another share, of what cancels in them
+SLIGHT_SHARE: Final = 1e-9  # works in other shares, of that of the dependent row
+MOST_SHARES: Final = 20
+
+
+def solve_modes(problem: ModeProblem) -> int:
+    """Find efforts and accelerations in the modes of the elements."""
+    list_held(problem)
+    factor_held(problem)
+    status = SOLVED
+    for turn in range(MOST_SHARES):
+        status = solve_directions(problem)
+        if status != SOLVED or problem.rank == problem.held_count:
+            break
+        if turn == 0:
+            note_rubbing(problem)
+        shared = share_efforts(problem)
+        if shared == NONE_WITHIN:
+            return solve_directions(problem)
+        if shared == WITHIN_BOUNDS:
+            break
+    return status
 
 
 def note_shares(modes: ModeSwitch) -> None:
-    """Note which elements share the efforts with which they hold, once modes have been decided."""
+    """Note which elements share the efforts with which they hold, once modes have been decided.
+
+    Where friction of what slips follows from a share, it is that of least norm, and ends the mode as
+    an effort that is not shared does.
+    """
     problem = modes.problem
     modes.shares = 0
     for k in range(modes.count):
@@ -26,22 +64,19 @@ def note_shares(modes: ModeSwitch) -> None:
     factor_held(problem)
     if problem.rank == problem.held_count:
         return
+    note_rubbing(problem)
     for k in range(problem.count):
         element = problem.elements[k]
         place = int(modes.places[int(modes.acting[problem.elements[k].row])])
-        if is_held(element) == 1 and place >= 0:
+        if is_held(element) == 1 and element.rubs == 0.0 and place >= 0:
             i = held_place(problem, element.row)
             if shares_effort(problem, i, problem.vector) == 1:
                 modes.elements[place].shares = 1.0
                 modes.shares = modes.shares + 1
 
 
-def shares_matter(problem: ModeProblem) -> int:
-    """Return 1 if other shares of the efforts that hold would change an acceleration, else 0.
-
-    So it is with a box that slides and spins on four corners: friction in each follows from its share. The
-    efforts that hold have to be factored.
-    """
+def note_rubbing(problem: ModeProblem) -> None:
+    """Note from whose shares friction of what slips follows; efforts that hold have to be factored."""
     rows = problem.rows
     column = problem.combination
     for extra in range(problem.rank, problem.held_count):
@@ -49,8 +84,11 @@ def shares_matter(problem: ModeProblem) -> int:
         friction = part(problem.room, 6 * rows, rows)
         put_share_of_friction(problem, column, friction)
         if hold_rows(problem, 1, friction) == 0 and moves_rows(problem, friction) == 1:
-            return 1
-    return 0
+            for k in range(problem.count):
+                element = problem.elements[k]
+                for i in range(element.row, element.row + row_count(element)):
+                    if abs(column[i]) * problem.sizes[i] > SLIGHT_SHARE:
+                        element.rubs = 1.0
 
 
 def put_other_share(problem: ModeProblem, extra: int, y: Reals, column: Reals) -> None:

@@ -17,8 +17,7 @@ from typing import Final
 
 from symbody.kernels.language import Reals, half, is_finite, part, sqrt
 from symbody.kernels.linear.dense_factors import factor_dense, solve_dense
-from symbody.kernels.modes.held_rows import factor_held, solve_held
-from symbody.kernels.modes.held_shares import NONE_WITHIN, WITHIN_BOUNDS, share_efforts
+from symbody.kernels.modes.held_rows import solve_held
 from symbody.kernels.modes.mode_problem import CONE, HOLDS, LOOSE, UNILATERAL, ModeElement, ModeProblem
 
 # What `solve_modes` returns.
@@ -30,26 +29,8 @@ SLIGHT: Final = 1e-90  # reactions that are none
 MOST_STEPS: Final = 40  # of Newton's method
 MOST_SIGNS: Final = 4  # sliders of whose reactions all signs are tried
 MOST_TURNS: Final = 1000  # of directions of cones that begin to slip
-MOST_SHARES: Final = 20
 SETTLED: Final = 1e-14  # changes of directions, of 1
 FOUND: Final = 1e-9  # residuals of reactions over them, `symbody.tolerances.UNSOLVED`; changes of directions
-
-
-def solve_modes(problem: ModeProblem) -> int:
-    """Find efforts and accelerations in the modes of the elements."""
-    list_held(problem)
-    factor_held(problem)
-    status = SOLVED
-    for _ in range(MOST_SHARES):
-        status = solve_directions(problem)
-        if status != SOLVED or problem.rank == problem.held_count:
-            break
-        shared = share_efforts(problem)
-        if shared == NONE_WITHIN:
-            return solve_directions(problem)
-        if shared == WITHIN_BOUNDS:
-            break
-    return status
 
 
 def list_held(problem: ModeProblem) -> None:
@@ -60,6 +41,7 @@ def list_held(problem: ModeProblem) -> None:
     sliding = 0
     for k in range(problem.count):
         element = problem.elements[k]
+        element.rubs = 0.0
         for i in range(element.row, element.row + row_count(element)):
             problem.added[i] = 0.0
             problem.sizes[i] = element.scale

@@ -9,11 +9,16 @@ from typing import Final
 
 from symbody.kernels.events.event_location import sign
 from symbody.kernels.language import Function, Reals, is_finite
-from symbody.kernels.modes.fill_problem import acceleration_of, fill_problem, slight_effort
-from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, SHARED, TWO, find_modes
+from symbody.kernels.modes.fill_problem import (
+    acceleration_of,
+    fill_problem,
+    slight_acceleration,
+    slight_effort,
+)
+from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, TWO, find_modes
 from symbody.kernels.modes.impacts import are_struck, rest_of_impacts, strike_gaps
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
-from symbody.kernels.modes.mode_shares import note_shares, shares_matter
+from symbody.kernels.modes.mode_shares import note_shares, solve_modes
 from symbody.kernels.modes.mode_state import (
     AT_LENGTH,
     FUNCTION_FAULT,
@@ -34,7 +39,7 @@ from symbody.kernels.modes.mode_state import (
     was_closed,
 )
 from symbody.kernels.modes.mode_switch import DECIDED, ModeSwitch, SwitchingElement
-from symbody.kernels.modes.mode_trial import SOLVED, solve_modes
+from symbody.kernels.modes.mode_trial import SOLVED
 from symbody.kernels.runge_kutta import call, copy
 
 NEVER: Final = 1e100  # a value that does not come to zero
@@ -96,8 +101,6 @@ def decide_at_speeds(modes: ModeSwitch) -> int:
     modes.verdict = verdict
     if verdict == ONE or verdict == TWO:
         note_shares(modes)
-        if modes.shares > 0 and shares_matter(modes.problem) == 1:
-            modes.verdict = SHARED
     if modes.verdict != ONE:
         return NO_MODES
     return SETTLED
@@ -345,9 +348,10 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
 def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
-    An open gap that is zero up to rounding, or has come below, is exactly there, and a closed one without
-    effort but for rounding has none. The value of an element that shares its effort says nothing, and never
-    falls to zero.
+    An open gap that is zero up to rounding, or has come below, is exactly there; one that stays there, since
+    others that are closed leave it no motion, ends its mode only when it is measurably below. A closed one
+    without effort but for rounding has none. The value of an element that shares its effort says nothing, and
+    never falls to zero.
     """
     for k in range(modes.count):
         element = modes.elements[k]
@@ -358,8 +362,19 @@ def set_levels(modes: ModeSwitch) -> None:
             if element.mode != HOLDS:
                 if element.width <= AT_LENGTH * element.length:
                     element.level = element.width
+                    if stays_at_zero(modes, element) == 1:
+                        element.level = element.width - AT_LENGTH * element.length
             else:
                 element.level = CANCELLED / BALANCED * slight_effort(modes, element)
+
+
+def stays_at_zero(modes: ModeSwitch, element: SwitchingElement) -> int:
+    """Return 1 if an open gap at zero neither moves nor accelerates, but for rounding, else 0."""
+    if abs(element.rate) > slow_rate(modes, element):
+        return 0
+    if abs(acceleration_of(modes, element.candidate)) > slight_acceleration(modes, element.candidate):
+        return 0
+    return 1
 
 
 def slight_value(modes: ModeSwitch, place: int) -> float:

@@ -60,8 +60,6 @@ _UNDETERMINED: Final = MappingProxyType(
         "consistent with the friction of the joints",
         ModeVerdict.NOT_FOUND: "no combination of sticking and slipping was found that is consistent with "
         "the friction of the joints",
-        ModeVerdict.SHARED: "friction of what slips depends on how several points share a load, which rigid "
-        "bodies leave open",
     }
 )
 _STUCK: Final = "no speeds were found that keep ropes taut and gaps closed"
