@@ -23,6 +23,7 @@ from symbody.errors import FormulationError, Problem
 from symbody.expr.calculus import jacobian
 from symbody.expr.expression import Expr
 from symbody.expr.graph import Symbol, SymbolKind
+from symbody.expr.rewrite import Substitution
 from symbody.model.element import FrameRef, make_frame_ref
 from symbody.single_flight import SingleFlight
 
@@ -76,6 +77,7 @@ class EquationsOfMotion(MultibodySystem):
     solution: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
         default_factory=SingleFlight, repr=False
     )
+    replaced: SingleFlight[None, Substitution] = field(default_factory=SingleFlight, repr=False)
     resistances: list[Resistance] = field(default_factory=list, repr=False)
     self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
     _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
@@ -187,6 +189,7 @@ class EquationsOfMotion(MultibodySystem):
             rows=rows,
             redundant=self.redundant if redundant is None else redundant,
             solution=SingleFlight(),
+            replaced=SingleFlight(),
             resistances=[],
             self_stress=SingleFlight(),
             _wrenches=SingleFlight(),

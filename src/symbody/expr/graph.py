@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from enum import StrEnum
@@ -277,24 +277,24 @@ class Graph:
             return -self.constants[self.left[self.left[node]]]
         return None
 
-    def reachable(self, roots: Iterable[int]) -> list[int]:
-        """Return all nodes the `roots` are computed from, ascending."""
+    def reachable(self, roots: Iterable[int], known: Container[int] = ()) -> list[int]:
+        """Return all nodes the `roots` are computed from, ascending, but `known` ones and those behind."""
         ops, left, right, tuples = self.ops, self.left, self.right, self.operand_tuples
-        seen = set(roots)
+        seen = {node for node in roots if node not in known}
         nodes = list(seen)
         for node in nodes:  # it grows meanwhile
             arity = ARITY[ops[node]]
             if arity == 2:
                 a, b = left[node], right[node]
-                if a not in seen:
+                if a not in seen and a not in known:
                     seen.add(a)
                     nodes.append(a)
-                if b not in seen:
+                if b not in seen and b not in known:
                     seen.add(b)
                     nodes.append(b)
             elif arity:
                 for a in (left[node],) if arity == 1 else tuples[left[node]]:
-                    if a not in seen:
+                    if a not in seen and a not in known:
                         seen.add(a)
                         nodes.append(a)
         nodes.sort()

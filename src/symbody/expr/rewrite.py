@@ -12,39 +12,57 @@ from symbody.expr.opcodes import COST, POW, SELECT, SYMBOL
 Make = Callable[[Graph, int, tuple[int, ...], int], int]  # as `make`
 
 
+class Substitution:
+    """Nodes replaced by others, all at once; replacements are not searched again.
+
+    What has been visited is kept: many roots that share nodes cost as much as one that has all of them.
+
+    Parameters
+    ----------
+    replacements : mapping of node to node
+    made : callable, optional
+        Makes each node that changes.
+    """
+
+    def __init__(self, graph: Graph, replacements: Mapping[int, int], made: Make = make) -> None:
+        self.graph, self._made = graph, made
+        self._memo = dict(replacements)
+
+    def roots(self, roots: Sequence[int]) -> list[int]:
+        """Return what becomes of the `roots`.
+
+        What has no value, as a division by what has become 0, is left out where a choice does not take it.
+
+        Raises
+        ------
+        ExpressionError
+            If a root has none.
+        """
+        graph, memo, made = self.graph, self._memo, self._made
+        ops, operands = graph.ops, graph.operands
+        undefined: dict[int, ExpressionError] = {}
+        for node in graph.reachable(roots, memo):
+            old = operands(node)
+            if undefined and not undefined.keys().isdisjoint(old):
+                chosen = _decide_branch(graph, ops[node], old, [memo.get(k, k) for k in old], undefined)
+                if chosen is None:
+                    undefined[node] = next(undefined[k] for k in old if k in undefined)
+                else:
+                    memo[node] = chosen
+                continue
+            new = tuple([memo[k] for k in old])
+            try:
+                memo[node] = node if new == old else made(graph, ops[node], new, graph.datum(node))
+            except ExpressionError as error:
+                undefined[node] = error
+        return _check_defined(roots, memo, undefined)
+
+
 def substitute(
     graph: Graph, roots: Sequence[int], replacements: Mapping[int, int], made: Make = make
 ) -> list[int]:
-    """Return the `roots` with nodes replaced, all at once; replacements are not searched again.
-
-    What has no value, as a division by what has become 0, is left out where a choice does not take it. `made`
-    makes each node that changes.
-
-    Raises
-    ------
-    ExpressionError
-        If a root has none.
-    """
-    memo = dict(replacements)
-    ops, operands = graph.ops, graph.operands
-    undefined: dict[int, ExpressionError] = {}
-    for node in graph.reachable(roots):
-        if node in memo:
-            continue
-        old = operands(node)
-        new = tuple([memo.get(k, k) for k in old])
-        if undefined and not undefined.keys().isdisjoint(old):
-            chosen = _decide_branch(graph, ops[node], old, new, undefined)
-            if chosen is None:
-                undefined[node] = next(undefined[k] for k in old if k in undefined)
-            else:
-                memo[node] = chosen
-        elif new != old:
-            try:
-                memo[node] = made(graph, ops[node], new, graph.datum(node))
-            except ExpressionError as error:
-                undefined[node] = error
-    return _check_defined(roots, memo, undefined)
+    """Return the `roots` with nodes replaced; see `Substitution`."""
+    return Substitution(graph, replacements, made).roots(roots)
 
 
 def substitute_into(

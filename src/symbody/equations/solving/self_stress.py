@@ -27,7 +27,7 @@ from symbody.expr.expression import Expr, maximum, number, saddle_entry
 from symbody.expr.fingerprints.fingerprint import find_zeros
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
 from symbody.expr.opcodes import LT, SELECT
-from symbody.expr.rewrite import substitute
+from symbody.expr.rewrite import Substitution
 from symbody.model.constraints import Distance, Rolling
 from symbody.model.declarations.element_fields import Connection
 from symbody.model.output_names import WRENCH
@@ -112,7 +112,7 @@ class SelfStress:
     # Made on first request, from the equations these belong to; the first by `find_identically_undetermined`.
     always: SingleFlight[None, tuple[str, ...]] = field(default_factory=SingleFlight, repr=False)
     _values: SingleFlight[None, list[Expr]] = field(default_factory=SingleFlight, repr=False)
-    _shared: SingleFlight[None, dict[int, int]] = field(default_factory=SingleFlight, repr=False)
+    _shared: SingleFlight[None, Substitution] = field(default_factory=SingleFlight, repr=False)
 
     def values(self, formed: EquationsOfMotion) -> list[Expr]:
         """Return the components in u', the multipliers and friction efforts."""
@@ -123,16 +123,17 @@ class SelfStress:
         listed = dict(_components(formed, totals))
         return [listed[component] for component in self.components]
 
-    def least_norm_multipliers(self, formed: EquationsOfMotion) -> dict[int, int]:
-        """Return the node that replaces each multiplier in reactions of least norm."""
+    def least_norm(self, formed: EquationsOfMotion) -> Substitution:
+        """Return what replaces each multiplier in reactions of least norm."""
         return self._shared.get(None, partial(self._form_least_norm, formed))
 
-    def _form_least_norm(self, formed: EquationsOfMotion) -> dict[int, int]:
+    def _form_least_norm(self, formed: EquationsOfMotion) -> Substitution:
         symbols = multiplier_nodes(formed)
         shares = self.shares(self.values(formed))
         known = [Expr(formed.graph, node) for node in symbols[: len(formed.rows)]]
         known += [self.zero] * len(formed.redundant)
-        return {node: (x + y).index for node, x, y in zip(symbols, known, shares, strict=True)}
+        pairs = zip(symbols, known, shares, strict=True)
+        return Substitution(formed.graph, {node: (x + y).index for node, x, y in pairs})
 
     def shares(self, values: Sequence[Expr]) -> list[Expr]:
         """Return the change of each multiplier, for values of all components without self-stress."""
@@ -156,8 +157,8 @@ def substitute_shares(formed: EquationsOfMotion, values: Sequence[Expr]) -> list
     symbols = multiplier_nodes(formed)
     if not symbols or set(symbols).isdisjoint(graph.reachable([value.index for value in values])):
         return list(values)
-    shared = self_stress(formed).least_norm_multipliers(formed)
-    return [Expr(graph, node) for node in substitute(graph, [x.index for x in values], shared)]
+    found = self_stress(formed).least_norm(formed).roots([x.index for x in values])
+    return [Expr(graph, node) for node in found]
 
 
 def multiplier_nodes(formed: EquationsOfMotion) -> list[int]:

@@ -14,7 +14,7 @@ from symbody.equations.solving.friction_solution import solve_given, solve_with_
 from symbody.errors import FormulationError, Problem
 from symbody.expr.expression import Expr, saddle_entry
 from symbody.expr.graph import KernelNode, Symbol, SymbolKind
-from symbody.expr.rewrite import substitute, symbols_of
+from symbody.expr.rewrite import Substitution
 
 
 def solve(formed: EquationsOfMotion) -> tuple[list[Expr], list[Expr]]:
@@ -53,21 +53,27 @@ def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> li
     The multipliers of redundant rows are 0; `substitute_shares` puts those of least norm in their place.
     """
     graph, nodes = formed.graph, [value.index for value in values]
-    if not symbols_of(graph, nodes):  # most inputs are numbers
-        return list(values)
-    symbols = [
-        *unknown_symbols(formed),
-        *(Symbol(row.name, SymbolKind.MULTIPLIER) for row in formed.redundant),
-    ]
-    places = {graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
-    if places.keys().isdisjoint(graph.reachable(nodes)):
-        return list(values)
-    udot, multipliers = solve(formed)
-    idle = [Expr(graph, 0)] * len(formed.redundant)
-    solution = [*udot, *multipliers, *resistance(formed).efforts, *idle]
-    replacements = {node: solution[k].index for node, k in places.items()}
-    found = substitute(graph, nodes, replacements)
+    if formed.replaced.peek(None) is None:
+        unknowns = _unknown_nodes(formed)
+        if unknowns.keys().isdisjoint(graph.reachable(nodes)):  # most inputs are numbers
+            return list(values)
+    found = formed.replaced.get(None, partial(_replace_unknowns, formed)).roots(nodes)
     return [Expr(graph, node) for node in found]
+
+
+def _unknown_nodes(formed: EquationsOfMotion) -> dict[int, int]:
+    """Return the places of u', multipliers of all rows, redundant ones last, and friction efforts by node."""
+    redundant = [Symbol(row.name, SymbolKind.MULTIPLIER) for row in formed.redundant]
+    symbols = [*unknown_symbols(formed), *redundant]
+    return {formed.graph.symbol(symbol): k for k, symbol in enumerate(symbols)}
+
+
+def _replace_unknowns(formed: EquationsOfMotion) -> Substitution:
+    udot, multipliers = solve(formed)
+    idle = [Expr(formed.graph, 0)] * len(formed.redundant)
+    solution = [*udot, *multipliers, *resistance(formed).efforts, *idle]
+    replacements = {node: solution[k].index for node, k in _unknown_nodes(formed).items()}
+    return Substitution(formed.graph, replacements)
 
 
 def solve_linear(

@@ -301,17 +301,32 @@ def is_apart(problem: ModeProblem) -> int:
 def has_mean(problem: ModeProblem) -> int:
     """Return 1 if the mean of a solution and the one that is kept is one, too, else 0.
 
-    What may hold or not accelerates alike in both, and friction is linear in reactions of one component.
+    What may hold or not accelerates alike in both, and friction is linear in reactions along one direction.
     """
     for k in range(problem.count):
         element = problem.elements[k]
-        if element.normals > 1 and element.sliding != 0.0:
+        if element.sliding != 0.0 and turns_reaction(problem, element) == 1:
             return 0
         if element.moves == 0.0:
             for i in range(element.row, element.row + row_count(element)):
                 if row_differs(problem, i) == 1:
                     return 0
     return 1
+
+
+def turns_reaction(problem: ModeProblem, element: ModeElement) -> int:
+    """Return 1 if the reaction that a bound reads has another direction in the solution that is kept."""
+    if element.normals > 1:
+        return 1
+    for i in range(element.normal, element.normal + element.normals):
+        now = problem.loads[i]
+        kept = problem.loads[i]
+        for j in range(problem.rows):
+            now = now + problem.reactions[i * problem.rows + j] * problem.efforts[j]
+            kept = kept + problem.reactions[i * problem.rows + j] * problem.saved_rows[2 * j]
+        if now * kept < 0.0:
+            return 1
+    return 0
 
 
 def hold_all(problem: ModeProblem) -> None:
