@@ -12,6 +12,7 @@ import pytest
 import symbody as sb
 from tests.laws.motion_consumers import WAYS
 from tests.laws.motion_fragments import END
+from tests.tiers import cases
 
 # Until t = 1 a block on a carriage swings freely; there the carriage's speed jumps by -1.2.
 START, RATE = 0.1, 1.0
@@ -89,8 +90,8 @@ def place_at_end() -> float:
 
 @pytest.mark.parametrize(
     "way",
-    ["simulate", "Stepper", "LaneStepper", "sweep", "C", "JavaScript", "live page", "FMU co-simulation",
-     "FMU model exchange"],
+    cases(["simulate", "Stepper", "LaneStepper", "sweep", "C", "JavaScript", "live page", "FMU co-simulation",
+           "FMU model exchange"], fast=lambda way: way != "FMU model exchange"),
 )  # fmt: skip
 def test_the_order_is_the_same_in_all_that_computes_motions(way: str, tmp_path: Path) -> None:
     kick = sb.Event("if(t < 0.5, -1, 1)", name="kick", action={"x_dot": f"x_dot + {KICK}"})
