@@ -15,7 +15,7 @@ from tests.tiers import cases, rows
 # In the fast tier each pair stands in one of the three tests at least.
 FORMED, DERIVED = ORDERED[::5], ORDERED[1::5]
 MOVED = [(words, -0.02) for words in ORDERED if words not in FORMED + DERIVED] + [
-    (words, 0.05) for words in FORMED
+    (words, 0.05) for words in FORMED[:1]
 ]
 OUTPUTS = ["udot", "gap touch", "contact_force touch", "slip touch", "power", "potential_energy"]
 

@@ -113,6 +113,7 @@ def test_dry_friction_on_infinite_reactions_is_rejected(tmp_path: Path) -> None:
     assert caught.value.problems[0].code == same.value.problems[0].code == "simulation.struck_friction"
 
 
+@pytest.mark.exhaustive
 def test_jumps_are_passed_until_they_are_not_known_any_more(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

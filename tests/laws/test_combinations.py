@@ -42,8 +42,8 @@ MODELS = (
     (PYTHON, GEARS, LOOP, LAG, MEASURED, CONTACT),
     (OSCILLATOR, DRY, TABLE, GEARS, STOP, QUATERNION),
 )
-# FMUs take ten seconds with six fragments; `test_couplings` has them in the fast tier with one thing.
-SLOW = ("FMU co-simulation", "FMU model exchange")
+# What is compiled takes seconds with six fragments; `test_couplings` has it in the fast tier with one thing.
+SLOW = ("C", "C GeneralizedAlpha", "FMU co-simulation", "FMU model exchange")
 
 
 def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) -> Any:

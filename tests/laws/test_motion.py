@@ -106,6 +106,7 @@ def test_rounding_of_fast_motions_stops_nothing() -> None:
     check_alone(found, 168)
 
 
+@pytest.mark.exhaustive
 def test_what_constraints_hold_still_is_no_singular_position() -> None:
     # Loads on a mechanism that cannot move: its speeds and accelerations are nothing but rounding.
     check((1754,))

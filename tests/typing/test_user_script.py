@@ -24,6 +24,7 @@ def said_types() -> dict[int, str]:
     }
 
 
+@pytest.mark.exhaustive
 def test_mypy_sees_the_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # Away from the configuration of this project, as a user's script is.
     monkeypatch.setenv("MYPYPATH", str(SOURCE))
@@ -45,6 +46,7 @@ def test_it_uses_many_names() -> None:
     assert len(names & {*sb.__all__}) >= 40
 
 
+@pytest.mark.exhaustive
 def test_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("builtins.reveal_type", lambda value: value, raising=False)
     runpy.run_path(str(SCRIPT), run_name="__main__")
