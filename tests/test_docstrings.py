@@ -6,7 +6,7 @@ import ast
 import builtins
 import re
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src" / "symbody"
@@ -54,6 +54,7 @@ def entries(node: ast.ClassDef | ast.FunctionDef) -> Iterator[tuple[str, list[st
                 yield section.group(1), [name.strip().lstrip("*") for name in head.split(",")], kind
 
 
+@lru_cache(maxsize=1)
 def members(node: ast.ClassDef) -> set[str]:
     """Fields, methods and attributes of a class."""
     names = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
