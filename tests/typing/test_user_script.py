@@ -7,7 +7,6 @@ import runpy
 from pathlib import Path
 
 import pytest
-from mypy import api
 
 import symbody as sb
 
@@ -26,6 +25,8 @@ def said_types() -> dict[int, str]:
 
 @pytest.mark.exhaustive
 def test_mypy_sees_the_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from mypy import api  # a second to import, which collecting need not take
+
     # Away from the configuration of this project, as a user's script is.
     monkeypatch.setenv("MYPYPATH", str(SOURCE))
     options = ["--strict", "--follow-imports=silent", "--config-file=", f"--cache-dir={tmp_path}"]
