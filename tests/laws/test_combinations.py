@@ -43,7 +43,7 @@ MODELS = (
     (OSCILLATOR, DRY, TABLE, GEARS, STOP, QUATERNION),
 )
 # What is compiled takes seconds with six fragments; `test_couplings` has it in the fast tier with one thing.
-SLOW = ("C", "C GeneralizedAlpha", "FMU co-simulation", "FMU model exchange")
+SLOW = ("C", "C GeneralizedAlpha", "live page", "FMU co-simulation", "FMU model exchange")
 
 
 def row(way: str, names: tuple[str, ...], substitute: bool, *, is_fast: bool) -> Any:
