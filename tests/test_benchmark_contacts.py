@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from benchmarks.contacts import attempt, summary
 from benchmarks.engines.contact_methods import COMPLIANT, LAWS
 from benchmarks.precision import Diagram, Point, fastest
 from benchmarks.timing import Settings
+from tests.tiers import rows
 
 POINTS = (
     Point(COMPLIANT, "order 8", "1e-06", 5e-4, 2e-3),
@@ -34,8 +37,10 @@ def test_a_time_stands_beside_ours_at_the_same_error() -> None:
     assert [row[-1].partition(" (")[2] for row in rows] == ["1.0x)", "1.0x)", "20x)", "40x)"]
 
 
-@pytest.mark.parametrize("name", PROBLEMS)
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize(
+    ("name", "rigid"),
+    rows(product(PROBLEMS, [False, True]), fast=lambda name, rigid: rigid == (name == "sliding box")),
+)
 def test_every_problem_is_a_body_over_its_floor(name: str, rigid: bool) -> None:
     """It falls freely until it strikes, so that the first place is that of a throw."""
     problem = PROBLEMS[name]
@@ -70,6 +75,7 @@ def test_what_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert contacts.measure("sliding box", Settings(rounds=1)).notes == ["Absent: not installed"]
 
 
+@pytest.mark.exhaustive
 def test_balls_fall_into_a_pit(monkeypatch: pytest.MonkeyPatch) -> None:
     """A row for each tolerance, and one for MuJoCo where it is installed."""
     monkeypatch.setattr(many_contacts, "END", 0.01)

@@ -6,7 +6,7 @@ import ast
 import builtins
 import re
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 SOURCE = Path(__file__).parents[1] / "src" / "symbody"
@@ -18,16 +18,16 @@ OTHER_ARGUMENTS = {"DirectCall"}
 
 
 @cache
-def trees() -> dict[str, ast.Module]:
-    paths = sorted(SOURCE.rglob("*.py"))
-    return {str(path.relative_to(SOURCE)): ast.parse(path.read_text(encoding="utf-8")) for path in paths}
+def texts() -> dict[str, str]:
+    return {str(path.relative_to(SOURCE)): path.read_text(encoding="utf-8") for path in SOURCE.rglob("*.py")}
 
 
 @cache
 def defined_names() -> frozenset[str]:
     """Classes, aliases and imports of the whole package."""
     names = {*dir(builtins), *WORDS}
-    for tree in trees().values():
+    for text in texts().values():
+        tree = ast.parse(text)
         for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef):
                 names.add(node.name)
@@ -54,6 +54,7 @@ def entries(node: ast.ClassDef | ast.FunctionDef) -> Iterator[tuple[str, list[st
                 yield section.group(1), [name.strip().lstrip("*") for name in head.split(",")], kind
 
 
+@lru_cache(maxsize=1)
 def members(node: ast.ClassDef) -> set[str]:
     """Fields, methods and attributes of a class."""
     names = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
@@ -92,7 +93,7 @@ def offences(file: str, tree: ast.Module) -> Iterator[str]:
 
 
 def test_docstrings_name_what_is_there() -> None:
-    assert [line for file, tree in trees().items() for line in offences(file, tree)] == []
+    assert [line for file, text in sorted(texts().items()) for line in offences(file, ast.parse(text))] == []
 
 
 def test_a_stale_name_is_found() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import statistics
 import tokenize
 from collections.abc import Callable, Iterator
@@ -128,6 +129,8 @@ def guessing(path: str, text: str) -> Iterator[str]:
             yield f"line {node.lineno}: global"
         elif isinstance(node, ast.Call) and last_name(node) == "hasattr":
             yield f"line {node.lineno}: hasattr"
+    if "type: ignore" not in text:
+        return
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT and "type: ignore" in token.string:
             yield f"line {token.start[0]}: type: ignore"
@@ -180,6 +183,8 @@ def bare_participle(path: str, text: str) -> Iterator[str]:
 
 
 def empty_local(path: str, text: str) -> Iterator[str]:
+    if not any(name in text for name in EMPTY_LOCALS):
+        return
     for function in functions(text):
         lines: dict[str, list[int]] = {}
         for node in ast.walk(function):
@@ -285,9 +290,9 @@ def test_class_names_are_unique() -> None:
     places: dict[str, list[str]] = {}
     for path in FILES:
         if path.suffix == ".py":
-            for node in nodes(path.read_text(encoding="utf-8")):
-                if isinstance(node, ast.ClassDef):
-                    places.setdefault(node.name, []).append(path.relative_to(SOURCE).as_posix())
+            for name in re.findall(r"^ *class (\w+)[(:\[]", path.read_text(encoding="utf-8"), re.MULTILINE):
+                places.setdefault(name, []).append(path.relative_to(SOURCE).as_posix())
+    assert len(places) > 700
     doubles = {name: files for name, files in places.items() if len(files) > 1}
     assert not doubles
 

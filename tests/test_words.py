@@ -63,10 +63,12 @@ def test_texts_use_the_common_words() -> None:
 
 def strings(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield line and text of the strings with more than a word; what an f-string puts in is left out."""
-    parts = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
-    docs = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if id(node) in parts | docs or not isinstance(node, ast.Constant | ast.JoinedStr):
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Expr | ast.Constant | ast.JoinedStr)]
+    parts = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    docs = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    inner = parts | docs
+    for node in nodes:
+        if id(node) in inner or isinstance(node, ast.Expr):
             continue
         pieces = node.values if isinstance(node, ast.JoinedStr) else [node]
         text = "…".join(str(piece.value) for piece in pieces if isinstance(piece, ast.Constant))

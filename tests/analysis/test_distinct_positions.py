@@ -15,6 +15,7 @@ import sympy as sp
 from sympy.physics.vector import dynamicsymbols
 
 import symbody as sb
+from tests.tiers import cases
 
 Values = dict[str, float]
 theta, beta, gamma, s, y = dynamicsymbols("theta beta gamma s y")
@@ -130,7 +131,7 @@ def check_poses(kind: str, seed: int) -> None:
     assert all(np.abs(a - b).max() > 1e-3 for a, b in combinations(poses, 2))
 
 
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("kind", cases(CASES, fast=["four-bar", "platform"]))
 def test_each_pose_stands_once(kind: str) -> None:
     for seed in range(10):
         check_poses(kind, seed)

@@ -10,6 +10,7 @@ import pytest
 
 import symbody as sb
 from tests.analysis.flat_linkages import LINKAGES, Place, Rest, Values, equations, rests, turned
+from tests.tiers import cases
 
 CHUNK = 20
 G = 9.81
@@ -59,7 +60,7 @@ def check_equilibria(kind: str, seed: int) -> None:
         assert found.stable is (curvature > 0.0)
 
 
-@pytest.mark.parametrize("kind", LINKAGES)
+@pytest.mark.parametrize("kind", cases(LINKAGES, fast=["two cranks"]))
 def test_equilibria_are_those_of_the_potential(kind: str) -> None:
     for seed in range(2):
         check_equilibria(kind, seed)

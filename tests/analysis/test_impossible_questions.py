@@ -11,6 +11,7 @@ import pytest
 import symbody as sb
 from tests.analysis.test_assembly import slider_crank
 from tests.simulation.test_inverse_dynamics import FOUR_BAR
+from tests.tiers import cases
 
 
 @cache
@@ -57,7 +58,12 @@ OPEN: dict[str, Question] = {
 }
 
 
-@pytest.mark.parametrize("analysis", OPEN)
+@pytest.mark.parametrize(
+    "analysis",
+    cases(
+        OPEN, fast=["trace_positions", "velocity_ratios", "find_equilibrium", "inverse_dynamics", "simulate"]
+    ),
+)
 def test_a_closure_out_of_reach(analysis: str) -> None:
     with pytest.raises(sb.AssemblyError) as caught:
         OPEN[analysis]()

@@ -16,6 +16,7 @@ from benchmarks.large_mechanisms import chain, ring, tree, truss
 from symbody.analysis.configurations import plain_assembly
 from symbody.analysis.linear import directional_slopes
 from symbody.expr.deadline import watch_stages
+from tests.tiers import cases
 
 MANY = 110  # bodies, more than have code of their own for first states
 
@@ -68,7 +69,10 @@ def counted_stages() -> Iterator[list[str]]:
         yield stages
 
 
-@pytest.mark.parametrize("make", [chain, rubbing_chain, tree, driven_tree, ring, truss])
+@pytest.mark.parametrize(
+    "make",
+    cases([chain, rubbing_chain, tree, driven_tree, ring, truss], fast=[tree, driven_tree, ring, truss]),
+)
 def test_columns_of_linear_equations_are_those_of_formulas(
     make: Callable[[int], sb.Model], monkeypatch: pytest.MonkeyPatch
 ) -> None:

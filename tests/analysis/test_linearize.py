@@ -14,6 +14,7 @@ import symbody as sb
 from symbody.analysis.linear.modes import spectrum
 from tests.problems.mechanisms import equations_of
 from tests.spectra import assert_same_spectrum
+from tests.tiers import cases
 
 Array = NDArray[np.float64]
 G = 9.81
@@ -233,7 +234,7 @@ def test_loop_has_the_finite_eigenvalues_of_its_pencil() -> None:
     assert_same_spectrum(state.linearization.eigenvalues, slowest, rtol=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", cases(range(6), fast=range(2)))
 def test_random_six_bars_have_the_finite_eigenvalues_of_their_pencils(seed: int) -> None:
     """Two loops, a spring and a damper, lengths and masses at random; stable or not."""
     rng = np.random.default_rng(seed)

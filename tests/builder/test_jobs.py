@@ -41,6 +41,7 @@ from symbody.formats.native import to_data
 from symbody.model.output_names import TITLES
 from tests.builder.conftest import Builder
 from tests.builder.test_checks import example
+from tests.tiers import cases
 
 FORMULATIONS = ["newton_euler", "recursive"]
 
@@ -171,7 +172,7 @@ def test_a_term_that_two_springs_share_names_both() -> None:
     )
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", cases(FORMULATIONS, fast=["recursive"]))
 def test_every_formulation_gives_the_same_mass_matrix(formulation: str) -> None:
     result, usual = tabs_of(example("rr_robot"), formulation=formulation), tabs_of_the_robot()
     assert [tab["name"] for tab in result] == [tab["name"] for tab in usual]

@@ -14,6 +14,7 @@ from symbody.builder.tasks.reading import Latest
 from symbody.builder.tasks.redraw import redraw_model
 from symbody.formats.model_files import examples_folder
 from symbody.formats.native import load_model, to_data
+from tests.tiers import cases
 
 FILES = {path.stem: path for path in sorted(examples_folder().glob("*/*.toml"))}
 
@@ -51,7 +52,7 @@ def numbers(value: Any) -> list[float]:
     return [float(value)] if isinstance(value, int | float) else []
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", cases(FILES, fast=lambda name: name != "stewart_platform"))
 def test_it_shows_what_the_check_shows(name: str) -> None:
     data = data_of(name)
     ask(redraw_model, data, str(FILES[name].parent))
@@ -70,7 +71,9 @@ def test_it_shows_what_the_check_shows(name: str) -> None:
     assert [body["name"] for body in scenes[0]["bodies"]] == [body["name"] for body in scenes[1]["bodies"]]
 
 
-@pytest.mark.parametrize("name", ["slider_crank", "four_bar", "bicycle", "stewart_platform"])
+@pytest.mark.parametrize(
+    "name", cases(["slider_crank", "four_bar", "bicycle", "stewart_platform"], fast=["four_bar", "bicycle"])
+)
 def test_a_check_of_other_values_forms_nothing_and_says_the_same(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,7 +50,7 @@ def _widened(sequence: Sequence) -> Sequence:
     return replace(sequence, outputs=(Output("all", (len(values) * WIDTH,), values * WIDTH),))
 
 
-@pytest.mark.parametrize("seed", cases(range(6), fast=range(2)))
+@pytest.mark.parametrize("seed", cases(range(6), fast=[1]))
 @pytest.mark.parametrize("piece_size", [17, 2000])
 def test_random_sequences_have_the_bits_of_scalars(seed: int, piece_size: int) -> None:
     sequence, inputs = random_sequence(seed, 200, ALL)

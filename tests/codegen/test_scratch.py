@@ -96,14 +96,14 @@ def check_reads(case: Case, *, in_lanes: bool, piece_size: int = 2000) -> None:
 
 
 @pytest.mark.parametrize("kind", CASES)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", cases(range(2), fast=[0]))
 def test_what_the_scratch_held_changes_no_bit(kind: str, seed: int) -> None:
     case = CASES[kind](seed)
     check_patterns(case, in_lanes=False, quick=bool(seed))
     check_patterns(case, in_lanes=True)
 
 
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("kind", cases(CASES, fast=["programs", "derivatives"]))
 @pytest.mark.parametrize("width", cases(WIDTHS, fast=WIDTHS[:1]))
 def test_no_word_is_read_before_it_is_written(kind: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(native, "lanes", lambda: width)  # numbers in a register
@@ -111,7 +111,7 @@ def test_no_word_is_read_before_it_is_written(kind: str, width: int, monkeypatch
         check_reads(CASES[kind](seed), in_lanes=False, piece_size=(2000, 60)[seed])
 
 
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("kind", cases(CASES, fast=["programs", "plain"]))
 def test_no_word_is_read_before_it_is_written_in_lanes(kind: str) -> None:
     check_reads(CASES[kind](5), in_lanes=True, piece_size=100)
 
@@ -125,7 +125,7 @@ def test_the_watch_sees_what_is_read_too_early() -> None:
 
 
 @needs_gcc
-@pytest.mark.parametrize("kind", ["plain", "programs"])
+@pytest.mark.parametrize("kind", cases(["plain", "programs"], fast=["programs"]))
 def test_c_text_depends_on_nothing_that_memory_held(kind: str, tmp_path: Path) -> None:
     """Neither on the caller's scratch, nor on what its own variables were before: gcc fills these."""
     version = subprocess.run(["gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout

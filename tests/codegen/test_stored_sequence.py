@@ -30,6 +30,7 @@ from symbody.expr.sequences.sequence import Operation, Sequence
 from symbody.model.content import content_bytes
 from symbody.storage import VARIABLE
 from tests.codegen.sequences import EXACT, LIBRARY, TRIGONOMETRIC, random_sequence, same_bits
+from tests.tiers import cases
 
 LINKS = 11  # enough for a sequence that is kept
 SIGNATURE = Signature(("q é", "q1"), ("u0",), (), ("p\n",))
@@ -175,7 +176,9 @@ def test_overrides_and_inputs_are_not_mixed_up() -> None:
     assert len({repr(sequence) for sequence, _ in first}) == len(asked)
 
 
-@pytest.mark.parametrize("damage", ["cut", "changed", "exchanged", "empty"])
+@pytest.mark.parametrize(
+    "damage", cases(["cut", "changed", "exchanged", "empty"], fast=["changed", "exchanged"])
+)
 def test_damaged_and_foreign_files_are_made_again(place: Path, damage: str) -> None:
     expected = values(sb.compile(sb.form_equations(chain()), "udot"))
     sb.compile(sb.form_equations(chain(g=1.0)), "udot")

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from tests.contacts.pairs import Floats
 from tests.formulations import FORMULATIONS
 from tests.laws.motion_consumers import WAYS, Question, outcome
 from tests.laws.motion_fragments import Fragment
+from tests.tiers import cases, rows
 
 G = 9.81
 M = 2.0
@@ -86,8 +88,11 @@ def published(
     return np.asarray(run.y)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
-@pytest.mark.parametrize("integrator", [sb.Explicit(), sb.Stiff(), sb.GeneralizedAlpha()])
+@pytest.mark.parametrize(
+    ("integrator", "rigid"),
+    rows(product([sb.Explicit(), sb.Stiff(), sb.GeneralizedAlpha()], [False, True]),
+         fast=[(sb.Stiff(), True), (sb.GeneralizedAlpha(), False)]),
+)  # fmt: skip
 def test_what_rests_on_a_slope_stays(rigid: bool, integrator: sb.Stiff) -> None:
     """It deflects by deflection tan(slope)/mu and stays for 1000 s; smooth friction creeps by its formula.
 
@@ -110,8 +115,10 @@ def test_smooth_friction_creeps() -> None:
     assert run["x"][2] - run["x"][1] == pytest.approx(990 * v0 * lean / math.sqrt(0.25 - lean**2), rel=1e-6)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
-@pytest.mark.parametrize("speed", [1e-3, 0.02, 1.0])
+@pytest.mark.parametrize(
+    ("speed", "rigid"),
+    rows(product([1e-3, 0.02, 1.0], [False, True]), fast=[(1e-3, True), (0.02, False), (1.0, False)]),
+)
 def test_what_slips_steadily_has_the_curve_of_stribeck(rigid: bool, speed: float) -> None:
     """(mu + (mu_static - mu) exp(-(v/stribeck)^2)) N against a slip that a motion prescribes."""
     block = sb.Body("Block", mass=M)
@@ -130,7 +137,7 @@ def test_what_slips_steadily_has_the_curve_of_stribeck(rigid: bool, speed: float
     assert run["floor_bristle_x"][-1] == pytest.approx(coefficient / 0.45, rel=1e-7)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", cases([False, True], fast=[True]))
 def test_linear_equations_have_the_presliding_mode(rigid: bool) -> None:
     """sqrt(mu N/(deflection m)), its damping ratio half of that times the time: where it rests on a slope."""
     for time in (T, 1e-3):
@@ -145,7 +152,7 @@ def test_linear_equations_have_the_presliding_mode(rigid: bool) -> None:
         assert len(modes) == 4 and "switches" not in "".join(linear.notes)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", cases([False, True], fast=[False]))
 def test_an_equilibrium_finds_the_deflection(rigid: bool) -> None:
     """On a slope, where only friction holds it; linear equations about it have the mode of before."""
     eqs = pushed(sb.Friction(mu=0.5, deflection=D), rigid=rigid, lean=0.2)
@@ -167,6 +174,7 @@ def test_an_equilibrium_of_a_joint_with_bristles() -> None:
     assert rest["slide_bristle"] == pytest.approx(3 / 8) and rest["x"] == 0
 
 
+@pytest.mark.exhaustive
 def test_a_box_rests_on_all_corners() -> None:
     """Rigid and on a slope: the bristles of four corners bear it together."""
     box = sb.Body("Box", mass=M, inertia=(0.02,) * 3)
@@ -180,7 +188,7 @@ def test_a_box_rests_on_all_corners() -> None:
     np.testing.assert_allclose([rest[name] for name in "xyzabc"], [0, 0, 0.1, 0, 0, 0], atol=1e-12)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", cases([False, True], fast=[True]))
 def test_a_slow_ramp_breaks_it_away_at_mu_static(rigid: bool) -> None:
     """The greatest force is mu_static N but for what Stribeck's curve takes while the last of it is reached.
 
@@ -207,8 +215,9 @@ def test_a_slow_ramp_breaks_it_away_at_mu_static(rigid: bool) -> None:
     np.testing.assert_allclose(run["x"][early], hand[0][early], atol=1e-9)
 
 
-@pytest.mark.parametrize("rigid", [False, True])
-@pytest.mark.parametrize("breakaway", ["0", "b"])
+@pytest.mark.parametrize(
+    ("breakaway", "rigid"), rows(product(["0", "b"], [False, True]), fast=[("0", False), ("b", True)])
+)
 def test_an_oscillating_force_is_borne_as_published(rigid: bool, breakaway: str) -> None:
     """4 N and 1.3 sin(20 t) of 7.8 N: LuGre's friction drifts by millimetres, that with a threshold does not."""
     friction = sb.Friction(mu=0.4, deflection=D, breakaway=0 if breakaway == "0" else breakaway)
@@ -226,7 +235,7 @@ def test_an_oscillating_force_is_borne_as_published(rigid: bool, breakaway: str)
     assert drift > 2e-3 if breakaway == "0" else abs(drift) < 1e-11
 
 
-@pytest.mark.parametrize("breakaway", [0, 0.3, 0.9])
+@pytest.mark.parametrize("breakaway", cases([0, 0.3, 0.9], fast=[0.3]))
 def test_sticking_and_slipping_are_as_published(breakaway: float) -> None:
     """To and fro, with a force beyond the limit in each half."""
     friction = sb.Friction(mu=0.3, mu_static=0.4, stribeck=0.02, deflection=D, breakaway=breakaway)
@@ -371,10 +380,7 @@ def test_sweeps_and_steps_have_the_motion() -> None:
         assert stepper.state()[name] == pytest.approx(fine[name][-1], abs=1e-4 if "b" in name else 1e-6)
 
 
-OFTEN = (
-    "simulate", "simulate Stiff", "simulate GeneralizedAlpha", "Stepper", "LaneStepper", "sweep", "C", "live page",
-    "FMU co-simulation",
-)  # fmt: skip
+OFTEN = ("simulate", "simulate GeneralizedAlpha", "Stepper", "LaneStepper", "sweep", "C")
 SIZES = {"x": 0.1, "y": 0.1, "x_dot": 1.0, "floor_bristle_x": 10.0, "floor_bristle_y": 10.0}
 
 
@@ -393,9 +399,7 @@ def shaken_reference(t: Floats) -> dict[str, Floats]:
 
 
 @pytest.mark.skipif(shutil.which("cc") is None or shutil.which("node") is None, reason="needs cc and Node")
-@pytest.mark.parametrize(
-    "way", [way if way in OFTEN else pytest.param(way, marks=pytest.mark.exhaustive) for way in WAYS]
-)
+@pytest.mark.parametrize("way", cases(WAYS, fast=OFTEN))
 def test_everything_that_computes_motions_has_bristles(way: str, tmp_path: Path) -> None:
     """Programs, pages, FMUs, sweeps, lanes: each to its own tolerance.
 
@@ -428,7 +432,7 @@ def test_parts_rename_bristles() -> None:
     assert sb.compile(eqs, "R_twice")(0.0, np.zeros(6), np.zeros(6), s=[1, 2, 3, 4]) == 6
 
 
-@pytest.mark.parametrize("rigid", [False, True])
+@pytest.mark.parametrize("rigid", cases([False, True], fast=[True]))
 def test_all_formulations_have_the_same_bristles(rigid: bool) -> None:
     """On a ball at an arm, whose slip and gap depend on five angles, and whose force passes through joints."""
     ball = sb.Body("Ball", mass=M, inertia=(0.01,) * 3)

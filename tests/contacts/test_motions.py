@@ -6,6 +6,7 @@ import io
 import math
 import shutil
 import subprocess
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from scipy.integrate import solve_ivp
 
 import symbody as sb
 from tests.contacts.pairs import Floats
+from tests.tiers import cases, rows
 
 G = 9.81
 V0 = math.sqrt(2 * G)  # of a fall by 1 m
@@ -43,7 +45,7 @@ def test_restitution_of_hunt_and_crossley(exponent: float, dissipation: float, r
     assert math.log((1 + a) / (1 - a * e)) == pytest.approx(a * (1 + e), rel=1e-8)
 
 
-@pytest.mark.parametrize("restitution", [1, 0.9999, 0.8, 0.5, 0.2, 0.05, 0.01])
+@pytest.mark.parametrize("restitution", cases([1, 0.9999, 0.8, 0.5, 0.2, 0.05, 0.01], fast=[1, 0.5, 0.01]))
 def test_a_restitution_asked_for_is_that_of_the_impact(restitution: float) -> None:
     """As a number and as a parameter, which stays a symbol until the function is called."""
     for given in (restitution, "e"):
@@ -217,8 +219,10 @@ def dipped(depth: float) -> tuple[float, float]:
     return at_touch * left + 5 * left**2, at_touch + 10 * left
 
 
-@pytest.mark.parametrize("end", ["contact", "limits"])
-@pytest.mark.parametrize("depth", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize(
+    ("depth", "end"),
+    rows(product([1e-2, 1e-4, 1e-6], ["contact", "limits"]), fast=[(1e-2, "contact"), (1e-6, "limits")]),
+)
 def test_shallow_arcs_are_seen(depth: float, end: str) -> None:
     """They leave no trace in the ends of long steps, by whatever computes a whole motion.
 
@@ -239,7 +243,9 @@ WAYS: list[dict[str, object]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("way", WAYS, ids=lambda way: type(next(iter(way.values()))).__name__)
+@pytest.mark.parametrize(
+    "way", cases(WAYS, fast=[WAYS[0], *WAYS[-2:]]), ids=lambda way: type(next(iter(way.values()))).__name__
+)
 def test_a_step_that_is_taken_again_leaves_one_motion(way: dict[str, object]) -> None:
     """On the way to a shallow arc and back, what happens happens once, beside dry friction and samples."""
     slide = sb.Prismatic("slide", "ground", sb.Body("S", mass=1), axis="x", coordinate="x",
@@ -275,7 +281,7 @@ def test_a_program_sees_shallow_arcs(tmp_path: Path) -> None:
     assert rows["z"][-1] == pytest.approx(dipped(1e-4)[0], abs=1e-5)
 
 
-@pytest.mark.parametrize("mu", [1.2, 1.5, 2.0])
+@pytest.mark.parametrize("mu", cases([1.2, 1.5, 2.0], fast=[1.5]))
 def test_the_rod_of_painleve_goes_on(mu: float) -> None:
     """Pushed along at tan p = 2 it has no rigid motion from mu = 4/3 on; compliance has, and loses energy."""
     p = math.atan(2)

@@ -13,6 +13,7 @@ from symbody.formats.native import from_data, model_from_toml, model_to_toml, to
 from symbody.formats.python_script import model_to_script
 from tests.codegen.test_portable import check_bits, random_points
 from tests.contacts.pairs import NAMES, ORDERED, scene
+from tests.tiers import cases
 
 FILE = """
 version = 2
@@ -288,7 +289,10 @@ def test_sweeps_and_steps_have_the_motion() -> None:
     assert stepper.state()["z"] == pytest.approx(alone["z"][-1], abs=1e-5)
 
 
-@pytest.mark.parametrize("words", [("box", "capsule"), ("height", "sphere"), ("plane", "cylinder")])
+@pytest.mark.parametrize(
+    "words",
+    cases([("box", "capsule"), ("height", "sphere"), ("plane", "cylinder")], fast=[("height", "sphere")]),
+)
 def test_code_has_the_same_bits_in_all_languages(words: tuple[str, str], tmp_path: Path) -> None:
     model = scene(words, sb.NormalForce(stiffness="k", restitution=0.5, speed=1))
     outputs = ["gap touch", "contact_force touch", "slip touch"]

@@ -100,7 +100,10 @@ TREES = (
 
 @pytest.mark.parametrize(
     ("seed", "trees"),
-    [(0, TREES[:1]), *(pytest.param(seed, TREES, marks=pytest.mark.exhaustive) for seed in range(10))],
+    [
+        pytest.param(0, TREES[:1], marks=pytest.mark.exhaustive),
+        *(pytest.param(seed, TREES, marks=pytest.mark.exhaustive) for seed in range(10)),
+    ],
     ids=["two trees", *map(str, range(10))],
 )
 def test_every_choice_of_trees_agrees(seed: int, trees: tuple[sb.Trees | str, ...]) -> None:

@@ -64,6 +64,7 @@ def test_two_threads_derive_at_once_with_the_serial_result() -> None:
     assert parallel == serial
 
 
+@pytest.mark.exhaustive
 def test_every_process_generates_the_same_bytes() -> None:
     script = "from tests.equations.test_derivation import derived; print(derived(3))"
     texts = {

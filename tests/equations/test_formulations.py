@@ -94,7 +94,7 @@ def test_examples_have_the_same_equations(path: Path, formulation: Formulation) 
 
 
 @pytest.mark.parametrize("formulation", CASES)
-@pytest.mark.parametrize("tree", ["joints", "absolute"])
+@pytest.mark.parametrize("tree", cases(["joints", "absolute"], fast=["absolute"]))
 def test_any_tree(tree: TreeChoice, formulation: Formulation) -> None:
     """Absolute coordinates have quaternions, and drives of cut joints act on bodies."""
     check(driven_pendulum(), formulation, tree, {"p": 0.5, "s": 0.4, "p_dot": 0.7, "s_dot": 0.3})

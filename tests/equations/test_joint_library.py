@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from tests.laws.evaluation import EPS, condition, equations, values_at
 from tests.laws.joint_laws import FREEDOMS, LAYOUT, freedoms, letters
 from tests.laws.parts import Mechanism, Units
 from tests.laws.tally import BOUND
+from tests.tiers import rows
 
 # Joints beside revolute, prismatic, planar, spherical and free ones, which have tests of their own.
 LIBRARY = tuple(
@@ -98,8 +100,10 @@ def cut(mechanism: Mechanism) -> list[TreeChoice]:
     return found
 
 
-@pytest.mark.parametrize("backwards", [False, True], ids=["forward", "backwards"])
-@pytest.mark.parametrize("kind", LIBRARY)
+@pytest.mark.parametrize(  # one after the other: each joint in one direction
+    ("kind", "backwards"),
+    rows(product(LIBRARY, [False, True]), fast=[*zip(LIBRARY, [False, True] * len(LIBRARY), strict=False)]),
+)
 def test_branch_and_chord_agree(kind: str, backwards: bool) -> None:
     mechanism = two_bodies(kind, backwards=backwards)
     check_agreement(mechanism, cut(mechanism))
@@ -112,7 +116,10 @@ def test_branch_and_chord_agree(kind: str, backwards: bool) -> None:
 )
 @pytest.mark.parametrize(
     ("kind", "driven"),
-    [(kind, k) for kind in LIBRARY for k in range(FREEDOMS[kind]) if k in (0, FREEDOMS[kind] - 1)],
+    rows(
+        [(kind, k) for kind in LIBRARY for k in range(FREEDOMS[kind]) if k in (0, FREEDOMS[kind] - 1)],
+        fast=lambda kind, k: k == FREEDOMS[kind] - 1,
+    ),
 )
 def test_prescribed_motions_agree(kind: str, driven: int, fixed: bool) -> None:
     mechanism = two_bodies(kind, driven=driven, fixed=fixed)

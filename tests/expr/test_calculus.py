@@ -44,6 +44,7 @@ from tests.expr.strategies import (
     sympy_expression,
     sympy_value,
 )
+from tests.tiers import cases
 
 PRECISION = 50
 UNIT = Fraction(1, 10 ** (PRECISION - 1))
@@ -255,9 +256,10 @@ def test_branches_that_meet_again_are_joined() -> None:
     assert evaluate_sequence(sequence_of(g, gradient(g, node, [pen.x])), {"q": [-1.0, 2.0]})[0][0] != 0
 
 
-def test_branches_in_branches_lose_nothing_on_their_way_back() -> None:
+@pytest.mark.parametrize("seeds", cases([range(10), range(10, 60)], fast=[range(10)]), ids=["some", "more"])
+def test_branches_in_branches_lose_nothing_on_their_way_back(seeds: range) -> None:
     """Smaller, larger and selected values of each other, with conditions in common: reverse as forward."""
-    for seed in range(60):
+    for seed in seeds:
         chance, pen = random.Random(seed), Pen()
         g, leaves = pen.g, [pen.x, pen.y, pen.z]
         nodes = [*leaves, *(mul(g, a, b) for a, b in itertools.combinations_with_replacement(leaves, 2))]
@@ -406,7 +408,7 @@ def test_all_that_is_not_linear_is_named_at_once() -> None:
 # Size
 
 
-@pytest.mark.parametrize("count", [100_000, pytest.param(1_000_000, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("count", cases([20_000, 100_000, 1_000_000], fast=[20_000]))
 def test_depth_has_no_limit(count: int) -> None:
     """x becomes sin(x) + y again and again: forward and reverse give one product of the same cosines."""
     pen = Pen()

@@ -37,6 +37,7 @@ from tests.expr.strategies import (
     samples,
     sequence_of,
 )
+from tests.tiers import cases
 
 
 class Pen:
@@ -199,7 +200,7 @@ def test_dependence_tells_kinds() -> None:
     assert dependence(g, [g.pi()]) == {g.pi(): frozenset()}
 
 
-@pytest.mark.parametrize("count", [100_000, pytest.param(1_000_000, marks=pytest.mark.exhaustive)])
+@pytest.mark.parametrize("count", cases([20_000, 100_000, 1_000_000], fast=[20_000]))
 def test_depth_has_no_limit(count: int) -> None:
     pen = Pen()
     g, node = pen.g, pen.x

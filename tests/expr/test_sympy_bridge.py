@@ -379,7 +379,7 @@ LEVELS: dict[str, Callable[[Graph, int, int], int]] = {
 }
 
 
-QUICK = ("sin", "quotient", "choice")
+QUICK = ("sin", "quotient")
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import symbody as sb
 from symbody.errors import AssemblyError, FormulationError, ModelError
 from symbody.model.constraint import ConstraintElement
 from tests.faults.refusals import refused, refused_file, refused_model
+from tests.tiers import rows
 
 EPS = np.finfo(float).eps
 DOWN = (0, "-9.81", 0)
@@ -129,7 +130,10 @@ def test_row_45_a_planar_mechanism_of_spatial_joints() -> None:
 
 @pytest.mark.parametrize(
     ("integrator", "constraints"),
-    [(None, None), (sb.Stiff(), None), (sb.Stiff(), sb.GGL()), (None, sb.Partition())],
+    rows(
+        [(None, None), (sb.Stiff(), None), (sb.Stiff(), sb.GGL()), (None, sb.Partition())],
+        fast=[(None, None), (sb.Stiff(), sb.GGL()), (None, sb.Partition())],
+    ),
     ids=["explicit", "stiff", "GGL", "partition"],
 )
 def test_row_46_a_parallelogram_goes_through_its_change_points(

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from symbody.expr.language.formula import Formula, build
 from symbody.expr.rewrite import substitute, substitute_into
 from symbody.simulation.sweeps.case_table import case_table
 from tests.faults.argument_calls import ROOT, model
+from tests.tiers import rows
 
 NOT_STATES = {
     "k": "a parameter", "F": "an input", "t": "the time", "x_ddot": "an acceleration", "energy": "",
@@ -110,8 +112,10 @@ def crank(rod: str) -> sb.EquationSet:
     )
 
 
-@pytest.mark.parametrize("rod", ["distance", "body"])
-@pytest.mark.parametrize("r", [0.0, 0.1])
+@pytest.mark.parametrize(
+    ("r", "rod"),
+    rows(product([0.0, 0.1], ["distance", "body"]), fast=[(0.0, "body"), (0.1, "distance")]),
+)
 def test_rods_without_length_are_told(rod: str, r: float) -> None:
     """A distance of 0 has no direction: d|p| = p.dp/|p| is 0/0, and no least squares have a solution."""
     eqs, values = crank(rod), {"r": r, "l": 0.0}

@@ -15,6 +15,7 @@ import symbody as sb
 from tests.fmu.importer import KINDS, VERSIONS, instance, simulate
 from tests.fmu.test_switching import swing
 from tests.problems.test_stick_slip import belt
+from tests.tiers import cases
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 STARTS = {"slip": 0.0, "slip_dot": 0.0}
@@ -38,7 +39,7 @@ def told(path: Path, kind: str, end: float, steps: int, capsys: pytest.CaptureFi
     return re.findall(r"\[OK\] (?:\[\w+\] )?(.* at t = .*|at t = .*)", capsys.readouterr().out)
 
 
-@pytest.mark.parametrize("steps", [1, 100])
+@pytest.mark.parametrize("steps", cases([1, 100], fast=[1]))
 def test_all_zeros_of_a_step_are_found_and_touches_too(
     steps: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -94,7 +95,7 @@ def test_an_input_that_changes_before_an_event_that_lies_ahead(version: str, tmp
         free(kept if isinstance(kept, ctypes.c_void_p) else ctypes.c_void_p(kept))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, fast=["CoSimulation"]))
 def test_stick_slip_belt_is_that_of_simulate(kind: str, tmp_path: Path) -> None:
     """den Hartog's oscillator: ten switches, whose times `tests/problems/test_stick_slip.py` has in closed form."""
     run = sb.simulate(belt(), 20.0, STARTS, times=np.linspace(0.0, 20.0, 21), rtol=1e-10, atol=1e-12)
@@ -105,7 +106,7 @@ def test_stick_slip_belt_is_that_of_simulate(kind: str, tmp_path: Path) -> None:
     assert error < (1e-8 if kind == "CoSimulation" else 1e-6)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, fast=["ModelExchange"]))
 def test_impacts_of_ropes_are_told_as_by_simulate(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -123,7 +124,7 @@ def test_impacts_of_ropes_are_told_as_by_simulate(
         assert values == pytest.approx(exact, rel=1e-5)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", cases(KINDS, fast=["ModelExchange"]))
 def test_a_ball_bounces_as_by_simulate(kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     limits = sb.Limits(low=0, rigid=True, restitution="e")
     rail = sb.Prismatic("rail", "ground", sb.Body("Ball", mass=0.3), axis="z", coordinate="z", limits=limits)

@@ -11,6 +11,7 @@ from fmpy.fmi1 import FMICallException
 
 import symbody as sb
 from tests.fmu.importer import KINDS, VERSIONS, check_archive, instance, simulate, states
+from tests.tiers import cases
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 SCALE = {"ModelExchange": 1e-4, "CoSimulation": 1e-6}
@@ -61,7 +62,9 @@ def on_rope() -> sb.EquationSet:
     return sb.form_equations(sb.Model("lifted", parts, (0, -9.81, 0), {}, [], start))
 
 
-@pytest.mark.parametrize("make", [carried, driven_loop, on_rope], ids=["tree", "loop", "rope"])
+@pytest.mark.parametrize(
+    "make", cases([carried, driven_loop, on_rope], fast=[driven_loop]), ids=["tree", "loop", "rope"]
+)
 def test_rates_that_jump_strike_as_in_simulate(make: object, tmp_path: Path) -> None:
     eqs = make()  # type: ignore[operator]
     run = sb.simulate(eqs, 1.0, times=np.linspace(0.0, 1.0, 21), rtol=1e-11)
@@ -110,6 +113,7 @@ def test_dry_friction_on_infinite_reactions_is_rejected(tmp_path: Path) -> None:
     assert caught.value.problems[0].code == same.value.problems[0].code == "simulation.struck_friction"
 
 
+@pytest.mark.exhaustive
 def test_jumps_are_passed_until_they_are_not_known_any_more(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

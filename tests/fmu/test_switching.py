@@ -17,6 +17,7 @@ import symbody as sb
 from tests.fmu.importer import EXAMPLES, KINDS, VERSIONS, instance, pendulum, simulate, states
 from tests.laws.test_cradles import first_values, hits, in_rounds, names_of, rail
 from tests.mechanisms import example
+from tests.tiers import cases
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 SLIP = sb.Friction(0.3, mu_static=0.4)
@@ -127,7 +128,7 @@ def test_input_that_jumps_breaks_a_joint_away(dry_block: tuple[sb.EquationSet, P
         assert fmu.get("x_dot")[0] > 0.1
 
 
-@pytest.mark.parametrize("law", ["push", "if(t < 0.37, 1, 6)", "1 + 5*floor(t/0.37)"])
+@pytest.mark.parametrize("law", cases(["push", "if(t < 0.37, 1, 6)", "1 + 5*floor(t/0.37)"], fast=["push"]))
 def test_a_force_that_jumps_in_time_breaks_a_joint_away(
     law: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -258,10 +259,16 @@ def test_each_mode_has_an_indicator(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "event"),
     [
-        (block, sb.Event("t - 0.2", action={"x_dot": "-2*x_dot + 1"})),
+        pytest.param(
+            block, sb.Event("t - 0.2", action={"x_dot": "-2*x_dot + 1"}), marks=pytest.mark.exhaustive
+        ),
         (block, sb.Event("t - 4.9", action={"x_dot": "0.5"})),  # it sticks before
-        (lambda: swing("L"), sb.Event("y + 0.7", -1, {"x_dot": "0.3*x_dot"})),
-        (lambda: swing("L"), sb.Event("t - 1.5", action={"x": "0.6*x"})),  # slack, whatever it was
+        pytest.param(
+            lambda: swing("L"), sb.Event("y + 0.7", -1, {"x_dot": "0.3*x_dot"}), marks=pytest.mark.exhaustive
+        ),
+        pytest.param(  # slack, whatever it was
+            lambda: swing("L"), sb.Event("t - 1.5", action={"x": "0.6*x"}), marks=pytest.mark.exhaustive
+        ),
         (lambda: swing("L", "1.1*L"), sb.Event("t - 2", action={"x_dot": "3 - x_dot"})),  # a shock at once
     ],
     ids=["slips", "sticks", "rope", "slack", "shock"],

@@ -12,6 +12,7 @@ import pytest
 
 import symbody as sb
 from symbody.graph.curved_shifts import is_curved
+from tests.tiers import cases
 
 RECIPE = Path(__file__).parents[2] / "docs" / "extending_joint.md"
 
@@ -40,7 +41,7 @@ def model(ring: object, order: tuple[int, ...] = (0, 1, 2)) -> sb.Model:
     return sb.Model("ring", elements, ground=pivot, gravity=(0, -9.81, 0))
 
 
-@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+@pytest.mark.parametrize("order", cases(itertools.permutations(range(3)), fast=[(0, 1, 2), (2, 0, 1)]))
 def test_automatic_trees_do_not_cut_it(circle: Any, order: tuple[int, ...]) -> None:
     """The motion is that of the same curve as a constraint."""
     start = {"theta": 0.3, "theta_dot": 1.0}

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.tiers import rows
 
 
 def pulled(motion: str = "if(t < 1, t, 2*t - 1)") -> sb.EquationSet:
@@ -136,7 +137,11 @@ ROUNDINGS = (-97, -33, -16, -3, -1, 0, 1, 3, 16, 33, 97)
 
 @pytest.mark.parametrize("roundings", ROUNDINGS)
 @pytest.mark.parametrize(
-    ("jump", "motion"), [(1.0, "if(t < 1, t, 2*t - 1)"), (0.3, "if(t < 3*0.1, t, 2*t - 0.3)")]
+    ("jump", "motion"),
+    rows(
+        [(1.0, "if(t < 1, t, 2*t - 1)"), (0.3, "if(t < 3*0.1, t, 2*t - 0.3)")],
+        fast=lambda jump, _: jump == 0.3,
+    ),
 )
 def test_a_time_beside_a_jump_has_the_rates_of_one_side(jump: float, motion: str, roundings: int) -> None:
     """x' and y' are 1 and 0, from the jump on 2 and -1, by whatever has a time there, or ends or begins there."""

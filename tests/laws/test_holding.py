@@ -30,7 +30,7 @@ FILES = [
 ]
 # Couplings, of which every third has several leaders; small ones in the fast tier.
 COUPLED = 60
-QUICK_SEEDS = (1, 3)
+QUICK_SEEDS = (1,)
 # Loops count as closed when they are open by this share of their sizes, and rates that move at all do so by
 # at least a twentieth of that: so far apart two closed states may be.
 APART = CLOSED / MOVES

@@ -85,6 +85,7 @@ def test_implicit_motions_are_those_of_the_explicit_method() -> None:
     check((3, 20))
 
 
+@pytest.mark.exhaustive
 def test_without_ground_momenta_are_kept() -> None:
     check_momenta((3,))
 

@@ -240,7 +240,7 @@ def check_all(seeds: Iterable[int]) -> None:
 
 # In 105 there are rows in t that always hold: their rounding is no jump. 146 locks up behind the corner; 162
 # cannot have come from farther away than six tenths of the way.
-@pytest.mark.parametrize("seed", cases([0, 6, 9, 11, 105, 146], fast=[0, 9, 105]))
+@pytest.mark.parametrize("seed", cases([0, 6, 9, 11, 105, 146], fast=[0, 9]))
 def test_speeds_jump_by_what_the_joints_transmit(seed: int) -> None:
     check_all([seed])
 

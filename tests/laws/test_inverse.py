@@ -14,7 +14,7 @@ from tests.laws.evaluation import EPS, condition, equations
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.tally import BOUND
 
-FAST, MANY = 2, 100
+FAST, MANY = 1, 100
 
 
 def question(eqs: sb.EquationSet, state: sb.State) -> dict[str, str]:

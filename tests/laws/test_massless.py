@@ -22,6 +22,7 @@ from tests.laws.evaluation import evaluator
 from tests.laws.mechanisms import random_mechanism
 from tests.laws.parts import Mechanism, Units
 from tests.laws.rotations import Array
+from tests.tiers import cases
 
 SLIDE = "light_s"
 # Of masses of order one; the second is where rounding is still below what the mass does.
@@ -110,7 +111,7 @@ def compare(seed: int, *, damped: bool) -> None:
     assert gaps[1] <= max(gaps[0] / PROPORTION * 1.3, 1e-8 * size), gaps
 
 
-@pytest.mark.parametrize("damped", [True, False])
+@pytest.mark.parametrize("damped", cases([True, False], fast=[True]))
 @pytest.mark.parametrize("seed", [1])
 def test_little_mass_is_nearly_none(seed: int, damped: bool) -> None:
     compare(seed, damped=damped)
@@ -123,7 +124,7 @@ def test_little_mass_is_nearly_none_often(seed: int, damped: bool) -> None:
     compare(seed, damped=damped)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=name_of)
+@pytest.mark.parametrize("formulation", cases(FORMULATIONS, fast=FORMULATIONS[1:3]), ids=name_of)
 def test_the_light_speed_is_no_state_where_a_damper_acts(formulation: object) -> None:
     mechanism = random_mechanism(1, Units())
     damped = sb.form_equations(hung(mechanism, 0, damped=True), formulation)  # type: ignore[arg-type]

@@ -31,6 +31,7 @@ def check_mix(number: int) -> None:
         assert found[f"constraints {kind}"] >= LEAST_CONSTRAINTS * number / WHOLE, kind
 
 
+@pytest.mark.exhaustive
 def test_the_mix_is_as_promised() -> None:
     check_mix(400)
 

@@ -95,7 +95,7 @@ def check_momenta(seeds: Iterable[int]) -> None:
 
 
 def test_motions_do_not_depend_on_the_trees() -> None:
-    check((3, 5))
+    check((3,))
 
 
 def test_rounding_of_fast_motions_stops_nothing() -> None:
@@ -106,6 +106,7 @@ def test_rounding_of_fast_motions_stops_nothing() -> None:
     check_alone(found, 168)
 
 
+@pytest.mark.exhaustive
 def test_what_constraints_hold_still_is_no_singular_position() -> None:
     # Loads on a mechanism that cannot move: its speeds and accelerations are nothing but rounding.
     check((1754,))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import symbody as sb
 from tests.laws.change_point_neighbours import NAMES, Neighbour, neighbour
+from tests.tiers import rows
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +96,10 @@ def check_method(seed: int, distance: float, method: sb.Baumgarte | sb.GGL | sb.
 
 @pytest.mark.parametrize(
     ("seed", "distance", "method"),
-    [(1, 1e-4, sb.Partition()), (0, 1e-9, sb.Baumgarte()), (4, 1e-9, sb.GGL())],
+    rows(
+        [(1, 1e-4, sb.Partition()), (0, 1e-9, sb.Baumgarte()), (4, 1e-9, sb.GGL())],
+        fast=[(0, 1e-9, sb.Baumgarte())],
+    ),
 )
 def test_methods_by_name_turn_or_say_why_not(
     seed: int, distance: float, method: sb.Baumgarte | sb.GGL | sb.Partition
@@ -110,7 +114,9 @@ def test_methods_by_name_on_many(seed: int, method: sb.Baumgarte | sb.GGL | sb.P
     check_method(seed, 10.0 ** -(3.0 + 6.0 * Random(-seed - 1).random()), method)
 
 
-@pytest.mark.parametrize(("seed", "distance", "rtol"), [(4, 1e-9, RTOL), (3, 1e-6, 1e-2)])
+@pytest.mark.parametrize(
+    ("seed", "distance", "rtol"), rows([(4, 1e-9, RTOL), (3, 1e-6, 1e-2)], fast=[(3, 1e-6, 1e-2)])
+)
 def test_partition_by_name_turns_or_ends_where_a_step_goes_over_to_another_branch(
     seed: int, distance: float, rtol: float
 ) -> None:

@@ -28,6 +28,7 @@ from symbody.model.output_arguments import (
     SpeedWord,
 )
 from symbody.model.output_names import DERIVATIVE_GROUPS, OUTPUT_KINDS, OutputKind, OutputName, read_output
+from tests.tiers import cases
 
 # Names that mean something else where they stand alone, or begin an output.
 SYMBOLS = ("d", "energy", "power", "frame", "friction", "x", "q", "u", "lambda_0", "sin", "angle", "A", "J_1")
@@ -251,7 +252,7 @@ def value(formed: EquationsOfMotion, name: str) -> tuple[tuple[int, ...], list[i
     return shape, [formed.graph.hashes[entry.index] for entry in entries]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", cases(range(20), fast=range(4)))
 def test_outputs_of_a_part_are_those_written_by_hand(seed: int) -> None:
     check(seed)
 

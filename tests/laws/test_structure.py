@@ -36,7 +36,7 @@ def check(seeds: Iterable[int], tree: TreeChoice) -> None:
     skew.close("skewness", may_be_empty=True)  # motions and laws that read rates leave few in ten
 
 
-@pytest.mark.parametrize("seeds", chunks(10), ids=name_of)
+@pytest.mark.parametrize("seeds", chunks(4), ids=name_of)
 def test_structure(seeds: range) -> None:
     check(seeds, None)
 

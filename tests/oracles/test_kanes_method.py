@@ -9,6 +9,7 @@ import sympy.physics.mechanics as me
 from tests.oracles.comparison import EPS, compiled, sensitivity
 from tests.oracles.kane import accelerations, kanes_method
 from tests.oracles.trees import KINDS, Tree, build_model, random_tree
+from tests.tiers import cases
 
 # An entry of M and F is some ten roundings deep for each of up to four bodies, and terms of it cancel.
 ROUNDINGS = 100
@@ -19,7 +20,7 @@ FAST = (2, 5, 14, 15, 25, 28)
 ALL = range(1, 51)
 
 
-@pytest.mark.parametrize("seed", FAST)
+@pytest.mark.parametrize("seed", cases(FAST, fast=[2, 14, 15, 28]))
 def test_accelerations_agree(seed: int) -> None:
     assert worst_error(random_tree(seed)) <= ROUNDINGS
 

@@ -31,6 +31,7 @@ from tests.problems.mechanisms import (
     state_of,
     turned,
 )
+from tests.tiers import cases
 
 GCC = shutil.which("gcc")
 T = dynamicsymbols._t
@@ -91,7 +92,7 @@ def c_function(eqs: sb.EquationSet, folder: Path) -> Callable[[State], Array]:
 
 
 @pytest.mark.skipif(GCC is None, reason="needs gcc")
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", cases(NAMES, fast=lambda name: "spatial" not in name))
 def test_four_ways_to_the_accelerations(name: str, tmp_path: Path) -> None:
     eqs = equations_of(name)
     rng = np.random.default_rng(1)

@@ -17,7 +17,7 @@ FOLDERS = sorted(path.name for path in EXAMPLES.iterdir() if (path / f"{path.nam
 
 
 # Examples of each kind: a tree, a loop, rolling, signals, a fit, an analysis.
-QUICK = {"projectile", "four_bar", "cart_pole_pid", "parameter_fit", "spinning_top"}
+QUICK = {"projectile", "four_bar", "parameter_fit", "spinning_top"}
 
 
 @pytest.mark.parametrize("name", cases(FOLDERS, fast=QUICK))

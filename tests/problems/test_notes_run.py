@@ -21,7 +21,7 @@ NAMES = sorted(path.name for path in NOTES.iterdir() if path.is_dir())
 # Two seconds and more each.
 SLOW = {
     "constraints", "position_velocity", "index_reduction", "simulation", "virtual_work", "four_bar_spring",
-    "slider_crank_four_ways", "quick_return", "inverted_pendulum",
+    "slider_crank_four_ways", "quick_return", "inverted_pendulum", "inverse_dynamics", "linearization",
 }  # fmt: skip
 HEADINGS = ("Description", "Concepts", "# Modeling", "# Simulation", "# Check", "# References")
 

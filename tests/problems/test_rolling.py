@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symbody as sb
+from tests.tiers import cases
 
 TIGHT = {"rtol": 1e-11, "atol": 1e-13}
 
@@ -102,7 +103,7 @@ def wheel_set(hinged: bool) -> sb.Model:
     return sb.Model("wheel set", parts, gravity=(1.5, 0, -9.0), initial={"z": radius})
 
 
-@pytest.mark.parametrize("hinged", [True, False])
+@pytest.mark.parametrize("hinged", cases([True, False], fast=[True]))
 def test_a_wheel_set_rolls_down_as_one_mass(hinged: bool) -> None:
     """Both discs hold the same lateral velocity: one of six rows is redundant, and named."""
     eqs = sb.form_equations(wheel_set(hinged))

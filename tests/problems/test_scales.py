@@ -43,7 +43,7 @@ def swing(t: float, length: float) -> float:
         # Partition, 50, add 1e-8 each at most; those of the multistep methods, 500 and 1500, do, too.
         ({}, 5e-7),
         ({"constraints": sb.Partition()}, 5e-7),
-        ({"integrator": sb.Stiff()}, 5e-6),
+        pytest.param({"integrator": sb.Stiff()}, 5e-6, marks=pytest.mark.exhaustive),
         ({"integrator": sb.Stiff(), "constraints": sb.GGL()}, 1.5e-5),
     ],
     ids=["projection", "partition", "stiff", "ggl"],

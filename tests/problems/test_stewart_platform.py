@@ -138,6 +138,7 @@ def _quaternion(R: Array) -> Array:
     return np.array([w, *(np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / (4 * w))])
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("t", cases([0.0, 0.7], fast=[0.7]))
 def test_driven_legs_are_rods(t: float) -> None:
     """No freedom left: place, acceleration and the forces in the legs follow from the lengths."""

@@ -140,7 +140,7 @@ def test_blocks_without_samples_make_linear_models() -> None:
     [
         ({"integrator": sb.Stiff()}, 1e-7),
         pytest.param({"integrator": sb.GeneralizedAlpha()}, 1e-4, marks=pytest.mark.exhaustive),
-        ({"constraints": sb.GGL()}, 1e-7),
+        pytest.param({"constraints": sb.GGL()}, 1e-7, marks=pytest.mark.exhaustive),
         ({"constraints": sb.Partition()}, 1e-8),
     ],
 )

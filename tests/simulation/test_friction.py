@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 import symbody as sb
 from tests.equations.test_friction import MU, TREES, by_hand, slider_crank
+from tests.tiers import cases
 
 M, G, K, SPEED = 1.5, 9.81, 40.0, 0.3
 MU_STATIC, MU_SLIDING = 0.3, 0.2
@@ -154,7 +155,9 @@ def test_smooth_friction_in_a_loop_against_free_bodies() -> None:
     assert run.energy_drift < 1e-7
 
 
-@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize(
+    "tree", cases(TREES, fast=["cut at B", "absolute", "rotation at A B D, translation at A C D"])
+)
 def test_dry_friction_in_joints_that_trees_cut(tree: str) -> None:
     """A slider-crank with dry friction in its slider and the pin at B falls and turns back: in each tree alike."""
     first, other = fallen("absolute"), fallen(tree)

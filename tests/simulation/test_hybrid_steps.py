@@ -9,6 +9,7 @@ import pytest
 
 import symbody as sb
 from tests.simulation.test_friction import SPEED, K, dragged, dragged_run, first_slip
+from tests.tiers import cases
 
 STEP = 0.05
 
@@ -113,7 +114,7 @@ def jumping() -> sb.EquationSet:
     return sb.form_equations(sb.Model("jumping", [rail, slide]))
 
 
-@pytest.mark.parametrize("make", [sampled, jumping])
+@pytest.mark.parametrize("make", cases([sampled, jumping], fast=[jumping]))
 def test_steps_are_those_of_simulate(make: Any) -> None:
     eqs = make()
     stepper = sb.Stepper(eqs, 0.02, rtol=1e-10, atol=1e-12)

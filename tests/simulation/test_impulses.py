@@ -70,7 +70,7 @@ BACKWARD: list[dict[str, object]] = [
 
 
 @pytest.mark.parametrize("way", BACKWARD, ids=[str(list(way.values())[0]) for way in BACKWARD])
-@pytest.mark.parametrize("as_constraint", [False, True])
+@pytest.mark.parametrize("as_constraint", cases([False, True], fast=[True]))
 def test_a_backward_motion_passes_a_jump_at_its_very_start(
     way: dict[str, object], as_constraint: bool
 ) -> None:

@@ -25,7 +25,7 @@ AXES: dict[str, dict[str, Any]] = {
     "free": {"angles": "123"},
 }
 JOINTS = straight_joints(*ENDS, AXES)
-FAST = ("screw", "universal")
+FAST = ("screw",)
 TIMES = np.linspace(0.0, 1.0, 11)
 
 

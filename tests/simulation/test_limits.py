@@ -10,6 +10,7 @@ import pytest
 
 import symbody as sb
 from tests.formulations import FORMULATIONS, name_of
+from tests.tiers import cases
 
 M = 2.0
 
@@ -174,7 +175,9 @@ def test_inverse_dynamics_counts_the_force_of_a_limit() -> None:
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS, ids=name_of)
-@pytest.mark.parametrize("limits", [{"rigid": True, "restitution": 0.4}, {"stiffness": 2e3}])
+@pytest.mark.parametrize(
+    "limits", cases([{"rigid": True, "restitution": 0.4}, {"stiffness": 2e3}], fast=[{"stiffness": 2e3}])
+)
 def test_every_formulation_has_the_same_limits(
     formulation: sb.Formulation, limits: dict[str, object]
 ) -> None:

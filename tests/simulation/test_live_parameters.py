@@ -13,6 +13,7 @@ import pytest
 import symbody as sb
 from symbody.codegen import shared_code
 from tests.simulation.test_rope import ball as rope_ball
+from tests.tiers import rows
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CALLS = 100
@@ -77,11 +78,11 @@ def sweep(eqs: sb.EquationSet, k: int) -> Any:
 
 @pytest.mark.parametrize(
     ("call", "name", "times"),
-    [
+    rows([
         (simulate, "slider_crank", CALLS), (assemble, "slider_crank", CALLS), (linearize, "slider_crank", CALLS),
         (inverse_dynamics, "slider_crank", CALLS), (find_equilibrium, "spring_mass_damper", CALLS // 4),
         (sweep, "slider_crank", CALLS // 4),
-    ],
+    ], fast=lambda call, *_: call is not inverse_dynamics),
 )  # fmt: skip
 def test_new_values_compile_nothing(
     call: Callable[[sb.EquationSet, int], Any], name: str, times: int, compilations: Compilations

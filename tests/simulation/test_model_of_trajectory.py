@@ -13,6 +13,7 @@ import pytest
 
 import symbody as sb
 from symbody.errors import FormatError, SymbodyError, UsageError
+from tests.tiers import cases
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CRANK = sb.load_model(EXAMPLES / "slider_crank" / "slider_crank.toml")
@@ -83,7 +84,11 @@ def test_outputs_together_are_those_one_by_one() -> None:
             np.testing.assert_allclose(values, moment[name], rtol=1e-14, atol=1e-14)
 
 
-@pytest.mark.parametrize("tree", [None, "absolute", sb.Trees(["A", "C"], ["A", "C"])], ids=repr)
+@pytest.mark.parametrize(
+    "tree",
+    cases([None, "absolute", sb.Trees(["A", "C"], ["A", "C"])], fast=[sb.Trees(["A", "C"], ["A", "C"])]),
+    ids=repr,
+)
 def test_a_loaded_run_computes_further_outputs(tree: Any, tmp_path: Path) -> None:
     run = crank(tree, parameters={"m1": 3, "m2": "m1/2"}, inputs={"F": "m1*sin(20*t)"})
     loaded = reloaded(run, tmp_path)
@@ -136,7 +141,7 @@ def without_model(run: sb.Trajectory, path: Path, change: Callable[[dict[str, An
     return path
 
 
-@pytest.mark.parametrize("tree", [None, "absolute"])
+@pytest.mark.parametrize("tree", cases([None, "absolute"], fast=[None]))
 def test_older_files_take_the_model(tree: Any, tmp_path: Path) -> None:
     run = crank(tree)
     path = without_model(run, tmp_path / "old.run", lambda about: about.pop("model"))

@@ -12,6 +12,7 @@ import pytest
 import symbody as sb
 from tests.laws.motion_consumers import WAYS
 from tests.laws.motion_fragments import END
+from tests.tiers import cases
 
 # Until t = 1 a block on a carriage swings freely; there the carriage's speed jumps by -1.2.
 START, RATE = 0.1, 1.0
@@ -34,7 +35,7 @@ KICKED = sb.Event("if(t < 1, -1, 1)", name="kick", action={"x_dot": f"x_dot + {K
 
 
 @pytest.mark.parametrize("integrator", [None, sb.Stiff(), sb.FixedStep(1e-3)], ids=str)
-@pytest.mark.parametrize("end", [1.0, 1.25])
+@pytest.mark.parametrize("end", cases([1.0, 1.25], fast=[1.0]))
 @pytest.mark.parametrize("is_kicked", [False, True])
 def test_a_jump_then_an_event_then_a_sample(integrator: Any, end: float, is_kicked: bool) -> None:
     run = sb.simulate(
@@ -89,8 +90,8 @@ def place_at_end() -> float:
 
 @pytest.mark.parametrize(
     "way",
-    ["simulate", "Stepper", "LaneStepper", "sweep", "C", "JavaScript", "live page", "FMU co-simulation",
-     "FMU model exchange"],
+    cases(["simulate", "Stepper", "LaneStepper", "sweep", "C", "JavaScript", "live page", "FMU co-simulation",
+           "FMU model exchange"], fast=lambda way: way != "FMU model exchange"),
 )  # fmt: skip
 def test_the_order_is_the_same_in_all_that_computes_motions(way: str, tmp_path: Path) -> None:
     kick = sb.Event("if(t < 0.5, -1, 1)", name="kick", action={"x_dot": f"x_dot + {KICK}"})

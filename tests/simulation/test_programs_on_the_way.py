@@ -153,6 +153,7 @@ def stiff_ball(*parts: sb.Element) -> sb.EquationSet:
     return sb.form_equations(model)
 
 
+@pytest.mark.exhaustive
 def test_stiff_motions_by_generalized_alpha_in_every_language(tmp_path: Path) -> None:
     """The same bits in all, and the motion of `simulate` by this method, to the tolerance of each."""
     options = {"times": TIMES, "events": FLOOR, "rtol": 1e-6, "integrator": sb.GeneralizedAlpha()}
@@ -169,7 +170,7 @@ def test_stiff_motions_by_generalized_alpha_in_every_language(tmp_path: Path) ->
     np.testing.assert_allclose(printed[0][:, 1:-1].T, np.vstack([run.u, run.q]), rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("step", [None, 1e-3])
+@pytest.mark.parametrize("step", cases([None, 1e-3], fast=[None]))
 def test_rates_jump_in_programs_by_generalized_alpha(step: float | None, tmp_path: Path) -> None:
     eqs, times = carried(as_constraint=True), np.linspace(0.25, 1.5, 6)
     method = sb.GeneralizedAlpha(step=step)

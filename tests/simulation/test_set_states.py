@@ -19,6 +19,7 @@ from symbody.simulation.programs.javascript_simulation import (
 from symbody.simulation.programs.motion_request import MotionRequest
 from symbody.visual.scene.body_poses import chain_of
 from tests.mechanisms import example
+from tests.tiers import rows
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 WITH_SAMPLES = {"integrator": sb.Explicit()}
@@ -213,8 +214,11 @@ def test_every_coordinate_that_moved_is_named_in_its_unit() -> None:
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
-@pytest.mark.parametrize(("name", "length", "share"), [("four_bar", "L2", 1.03), ("slider_crank", "L2", 0.9),
-                                                       ("spatial_four_bar", "b", 1.02)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "length", "share"),
+    rows([("four_bar", "L2", 1.03), ("slider_crank", "L2", 0.9), ("spatial_four_bar", "b", 1.02)],
+         fast=[("four_bar", "L2", 1.03)]),
+)  # fmt: skip
 def test_a_page_and_a_stepper_close_alike(name: str, length: str, share: float, tmp_path: Path) -> None:
     eqs = example(name)
     value = share * float(resolve_parameters(eqs.model)[length])

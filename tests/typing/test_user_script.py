@@ -7,7 +7,6 @@ import runpy
 from pathlib import Path
 
 import pytest
-from mypy import api
 
 import symbody as sb
 
@@ -24,7 +23,10 @@ def said_types() -> dict[int, str]:
     }
 
 
+@pytest.mark.exhaustive
 def test_mypy_sees_the_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from mypy import api  # a second to import, which collecting need not take
+
     # Away from the configuration of this project, as a user's script is.
     monkeypatch.setenv("MYPYPATH", str(SOURCE))
     options = ["--strict", "--follow-imports=silent", "--config-file=", f"--cache-dir={tmp_path}"]
@@ -45,6 +47,7 @@ def test_it_uses_many_names() -> None:
     assert len(names & {*sb.__all__}) >= 40
 
 
+@pytest.mark.exhaustive
 def test_it_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("builtins.reveal_type", lambda value: value, raising=False)
     runpy.run_path(str(SCRIPT), run_name="__main__")

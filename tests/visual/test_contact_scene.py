@@ -7,6 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.visual.scene import make_motion, make_scene
+from tests.tiers import cases
 
 G, EDGES = 9.81, (0.2, 0.1, 0.5)
 
@@ -22,7 +23,7 @@ def table(normal: sb.NormalForce | str, lean: float = 0.0) -> sb.EquationSet:
     )
 
 
-@pytest.mark.parametrize("lean", [0.0, 0.2])
+@pytest.mark.parametrize("lean", cases([0.0, 0.2], fast=[0.2]))
 def test_the_force_of_a_block_at_rest_acts_below_its_weight(lean: float) -> None:
     """At rest the line of gravity through the centre of mass passes through the centre of pressure."""
     run = sb.simulate(table("rigid", lean), 0.1, {"z": 0.25, "x": 0.3, "tilt": 0.0})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from symbody.visual.scene.body_poses import Poses, angle_between, interpolate, o
 from symbody.visual.scene.sampling import ANGLE, CURVE_SHARE, LENGTH_SHARE
 from symbody.visual.scene.scene import Scene, SceneMotion
 from symbody.visual.viewer.still import run_of_state
+from tests.tiers import cases, rows
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NAMES = ["bicycle", "four_bar", "projectile", "rr_robot", "slider_crank", "spatial_four_bar", "spinning_top",
@@ -47,8 +49,13 @@ def poses_of(motion: SceneMotion) -> Poses:
     return Poses(motion.positions, motion.quaternions)
 
 
-@pytest.mark.parametrize("tree", [None, "absolute"])
-@pytest.mark.parametrize("name", ["four_bar", "spatial_four_bar"])
+@pytest.mark.parametrize(
+    ("name", "tree"),
+    rows(
+        product(["four_bar", "spatial_four_bar"], [None, "absolute"]),
+        fast=[("four_bar", "absolute"), ("spatial_four_bar", None)],
+    ),
+)
 def test_poses_are_those_of_the_run(name: str, tree: str | None) -> None:
     run = run_of(name, tree, 0.5)
     scene = scene_of(run)
@@ -60,7 +67,7 @@ def test_poses_are_those_of_the_run(name: str, tree: str | None) -> None:
     np.testing.assert_allclose(np.linalg.norm(motion.quaternions, axis=-1), 1.0, rtol=1e-14)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", cases(NAMES, fast=lambda name: name != "bicycle"))
 def test_between_samples_the_error_is_bounded(name: str) -> None:
     run = run_of(name)
     scene = scene_of(run)

@@ -19,6 +19,7 @@ from tests.codegen.texts.test_c import HOSTILE, SPECIAL, named
 from tests.codegen.texts.test_python import expected
 from tests.problems.mechanisms import EPS, condition, equations_of, random_values, state_of
 from tests.problems.test_parallelogram import parallelogram
+from tests.tiers import cases
 
 # Names that mean something to Fortran, MATLAB, Julia, JAX and CasADi, or break their texts.
 NAMES = (
@@ -48,7 +49,7 @@ def close(ours: list[float], theirs: list[float], tolerance: float) -> bool:
 
 
 @pytest.mark.parametrize("language", ALL)
-@pytest.mark.parametrize("name", ["slider_crank", "spinning_top", "rr_robot"])
+@pytest.mark.parametrize("name", cases(["slider_crank", "spinning_top", "rr_robot"], fast=["slider_crank"]))
 def test_examples(language: str, name: str, tmp_path: Path) -> None:
     eqs = equations_of(name)
     outputs = ["udot", "qdot", "mass_matrix", "kinetic_energy", *(["lambda"] if eqs.multiplier_names else [])]

@@ -30,6 +30,7 @@ from tests.codegen.sequences import (
     same_bits,
     single,
 )
+from tests.tiers import rows
 
 GCC = shutil.which("gcc")
 needs_gcc = pytest.mark.skipif(GCC is None, reason="needs gcc")
@@ -63,7 +64,7 @@ def expected(sequence: Sequence, inputs: Inputs) -> list[float]:
 
 
 @needs_gcc
-@pytest.mark.parametrize(("seed", "piece_size"), [(0, 2000), (1, 40), (2, 150)])
+@pytest.mark.parametrize(("seed", "piece_size"), rows([(0, 2000), (1, 40), (2, 150)], fast=[(1, 40)]))
 def test_random_sequences_agree_to_the_last_bit(seed: int, piece_size: int, tmp_path: Path) -> None:
     """Without floor: plain evaluation loses the sign of -0 there."""
     codes = tuple(code for code in ALL if code != op.FLOOR)

@@ -42,6 +42,7 @@ def test_the_documented_example_prints_what_symbody_computes(tmp_path: Path) -> 
     assert numbers[1] == 1.0
 
 
+@pytest.mark.exhaustive
 def test_a_robot_takes_the_same_way(tmp_path: Path) -> None:
     urdf = ROOT / "examples/robot_arm/robot_arm.urdf"
     text, count = re.subn(

@@ -30,6 +30,7 @@ from tests.expr.strategies import (
     samples,
     sequence_of,
 )
+from tests.tiers import cases
 
 Matrix = list[list[Expr]]
 
@@ -489,7 +490,13 @@ def dense(p: Pen) -> Expr:
     )
 
 
-@pytest.mark.parametrize("make", [wide, powers_of_sums, nested, squares_of_squares, many_angles, dense])
+@pytest.mark.parametrize(
+    "make",
+    cases(
+        [wide, powers_of_sums, nested, squares_of_squares, many_angles, dense],
+        fast=lambda make: make is not nested,
+    ),
+)
 def test_work_is_bounded(make: Callable[[Pen], Expr]) -> None:
     """None takes longer than a second or two: work that grows without bound is caught."""
     p = Pen()

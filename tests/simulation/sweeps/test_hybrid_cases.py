@@ -19,6 +19,7 @@ from tests.simulation.test_events import EXAMPLES, slider_crank
 from tests.simulation.test_friction import dragged
 from tests.simulation.test_impulses import cart_with_pendulum
 from tests.simulation.test_rope import ball
+from tests.tiers import cases
 
 # Outputs of a sweep take parameters as arguments, those of `simulate` as constants: sums of some ten terms
 # round otherwise. States of cases that are not computed in the loop come from `simulate` itself, to the bit.
@@ -119,7 +120,10 @@ def alone(kind: str, case: dict[str, float]) -> sb.Trajectory:
     return sb.simulate(made(), end, times=np.linspace(0.0, end, 9), **options)
 
 
-@pytest.mark.parametrize("kind", IN_LOOP)
+@pytest.mark.parametrize(
+    "kind",
+    cases(IN_LOOP, fast=lambda kind: kind not in ("fixed steps", "ropes", "rubbing loop by Baumgarte")),
+)
 def test_a_case_with_events_is_that_of_simulate(kind: str) -> None:
     """In the compiled loop what varies stays an argument: rounding differs, and with it the steps."""
     sweep = swept(kind)  # e = 0.5 ends by chattering, in both
