@@ -16,8 +16,7 @@ from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.equations.solving.unilateral import unilateral_row
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
-from symbody.kernels import block
-from symbody.kernels import features
+from symbody.kernels import block, features
 from symbody.kernels.block import Breakpoint, FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.strike import STRUCK, TORN

@@ -64,8 +64,8 @@ class LaneBlocks:
         self._under_way = False
         self._kernel = step_all(first.features)
         self._arguments = (
-            first.right_hand_side.address, wide.address, first.projects_by, first.gap_function, address(self._all),
-            pattern.size, address(rows), rows.shape[1], self._count,
+            first.right_hand_side.address, wide.address, first.projects_by, first.gap_function,
+            address(self._all), pattern.size, address(rows), rows.shape[1], self._count,
         )  # fmt: skip
         for lane in range(groups * width):  # lanes without a motion compute what the first one does
             self._fill(lane, steps[lane if lane < self._count else 0].block)
