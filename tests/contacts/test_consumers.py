@@ -60,7 +60,7 @@ def by_lanes(eqs: sb.EquationSet, count: int, _: Path) -> list[float]:
 
 def by_page(eqs: sb.EquationSet, count: int, folder: Path) -> list[float]:
     page = sb.animate(eqs, folder / "page.html", live=True, rtol=1e-9)
-    (folder / "page.mjs").write_text(page.program.module, encoding="utf-8")  # type: ignore[union-attr]
+    (folder / "page.mjs").write_text(page.program.module, encoding="utf-8")
     (folder / "frames.mjs").write_text(FRAMES.replace("TIMES", json.dumps(times(count))))
     done = subprocess.run(["node", "frames.mjs"], cwd=folder, capture_output=True, text=True, check=True)
     values: list[float] = json.loads(done.stdout)
@@ -172,7 +172,7 @@ def test_a_page_lets_go_what_is_thrown_off(tmp_path: Path) -> None:
     eqs = sb.form_equations(sb.Model("shaken", [rail, plate], gravity=(0, 0, -9.81)))
     run = sb.simulate(eqs, 3.0, times=[k / 30 for k in range(1, 91)], rtol=1e-9)
     page = sb.animate(eqs, tmp_path / "page.html", live=True, rtol=1e-9)
-    (tmp_path / "page.mjs").write_text(page.program.module, encoding="utf-8")  # type: ignore[union-attr]
+    (tmp_path / "page.mjs").write_text(page.program.module, encoding="utf-8")
     (tmp_path / "frames.mjs").write_text(SHAKEN)
     done = subprocess.run(["node", "frames.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
     t, z, speed, reached = np.array(json.loads(done.stdout)).T

@@ -194,6 +194,10 @@ def test_numbers_that_cannot_be(arguments: dict[str, object], code: str, text: s
         sb.Model("m", [body, within])
 
 
+GOOD = {
+    "m": 1.0, "stiffness": 1e6, "e": 0.5, "mu": 0.3, "mu_static": 0.4, "deflection": 1e-4, "damping_time": 0.01,
+    "breakaway": 0.7, "e_stop": 0.5, "r": 0.1, "play": 0.1,
+}  # fmt: skip
 # A value given in a call, and the code of the fault that it is in a file, too.
 GIVEN = [
     ("stiffness", -1.0, "contact.domain"),
@@ -226,11 +230,7 @@ def many_laws() -> sb.EquationSet:
         sb.Stop("ceiling", gap="2 - z", restitution="e_stop"),
         sb.Gear("mesh", ["a", "th"], ratio=2, backlash=sb.Backlash(angle="play", stiffness=100)),
     ]
-    values = {
-        "m": 1, "stiffness": 1e6, "e": 0.5, "mu": 0.3, "mu_static": 0.4, "deflection": 1e-4, "damping_time": 0.01,
-        "breakaway": 0.7, "e_stop": 0.5, "r": 0.1, "play": 0.1,
-    }  # fmt: skip
-    model = sb.Model("laws", parts, gravity=(0, 0, -9.81), parameters=values, initial={"z": 0.2})
+    model = sb.Model("laws", parts, gravity=(0, 0, -9.81), parameters=GOOD, initial={"z": 0.2})
     return sb.form_equations(model)
 
 
@@ -251,7 +251,7 @@ def test_numbers_given_in_a_call_are_judged_as_in_a_file(
         sb.LaneStepper(
             many_laws, 0.01, 2, parameters={name: [float(many_laws.model.parameters[name].text), value]}
         )
-    good = float(many_laws.model.parameters[name].text)
+    good = GOOD[name]
     cases = sb.sweep(many_laws, 0.01, {name: [good, value, good]}, times=[0, 0.01])
     assert [status is sb.Status.NOT_STARTED for status in cases.status] == [False, True, False]
     assert list(cases.case_notes) == [1] and f"[{code}]" in cases.case_notes[1]

@@ -375,6 +375,11 @@ class CompiledSteps:
         return self._right_hand_side if self._gaps is None else self._gaps.addresses[0]
 
     @property
+    def code(self) -> tuple[int, ...]:
+        """The addresses of all functions: what steps side by side have in common."""
+        return self._right_hand_side, self.projects_by, self.gap_function
+
+    @property
     def projects_by(self) -> int:
         """The address of what projects, 0 for none."""
         return self._projector.address

@@ -47,6 +47,11 @@ class LaneBlocks:
         The numbers of the lanes, which steps renew.
     tableau : Tableau
         The method.
+
+    Attributes
+    ----------
+    code : tuple of int
+        Where the functions of all lanes lie.
     """
 
     def __init__(self, steps: Sequence[CompiledSteps], rows: Floats, tableau: Tableau) -> None:
@@ -60,7 +65,7 @@ class LaneBlocks:
         begin, size = int(pattern[LaneGroup.layout["runs"]]), LaneGroup(pattern).run_size
         self._own = self._all[:, begin:].reshape(groups, width, size)
         self._width, self._size = width, size
-        self._functions = first  # keeps the compiled code alive
+        self._functions, self.code = first, first.code  # keeps the compiled code alive
         self._under_way = False
         self._kernel = step_all(first.features)
         self._arguments = (
