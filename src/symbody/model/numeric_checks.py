@@ -53,7 +53,7 @@ class NumericChecks:
         numbers = [value for value in found if value is not None]
         return numbers if len(numbers) == len(found) else None
 
-    def within(self, domain: Domain, formula: Formula, where: str) -> float | None:
+    def judge(self, domain: Domain, formula: Formula, where: str) -> float | None:
         """Note a value that is outside of a domain; return it."""
         value = self.value(formula, where)
         if value is not None and not domain.has(value):
@@ -105,7 +105,7 @@ class Domain:
 
     def __call__(self, check: NumericChecks, formula: Formula, where: str) -> float | None:
         """Note a value that is outside; return it."""
-        return check.within(self, formula, where)
+        return check.judge(self, formula, where)
 
 
 class Demand(NamedTuple):
@@ -133,7 +133,7 @@ class DemandList(NumericChecks):
     def value(self, formula: Formula, where: str) -> None:
         """Return None: there are no values."""
 
-    def within(self, domain: Domain, formula: Formula, where: str) -> None:
+    def judge(self, domain: Domain, formula: Formula, where: str) -> None:
         """Collect the domain of a formula."""
         self.demands.append(Demand(where, formula, domain))
 

@@ -203,7 +203,7 @@ class _Speeds:
             try:
                 result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
             except AssemblyError:  # their rows may contradict each other: a stop that begins to rise
-                held = self._held(u, closed)
+                held = self._find_held(u, closed)
                 if len(held) == len(closed):
                     raise
                 closed = held
@@ -214,7 +214,7 @@ class _Speeds:
                 return result
             closed.remove(worst)
 
-    def _held(self, u: Floats, closed: list[str]) -> list[str]:
+    def _find_held(self, u: Floats, closed: list[str]) -> list[str]:
         """Return which of closed gaps are held by efforts, as a motion decides; all where that is not found."""
         evaluator = self.evaluate(self.eqs)
         values = evaluator.compile(OF_MODES)(evaluator.t, self.q, u, s=evaluator.signals)
