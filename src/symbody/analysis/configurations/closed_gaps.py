@@ -215,7 +215,7 @@ class _Speeds:
             closed.remove(worst)
 
     def _find_held(self, u: Floats, closed: list[str]) -> list[str]:
-        """Return which of closed gaps are held by efforts, as a motion decides; all where that is not found."""
+        """Return which closed gaps are held by efforts, as a motion decides; all where none is found."""
         evaluator = self.evaluate(self.eqs)
         values = evaluator.compile(OF_MODES)(evaluator.t, self.q, u, s=evaluator.signals)
         numbers = mode_numbers(self.eqs, values, evaluator.mechanism)
