@@ -46,6 +46,20 @@ def state(page: Any) -> list[float]:
     return page.evaluate("Array.from(symbodyLive.simulation.state)")
 
 
+def test_a_cam_whose_follower_lifts_off_loads_and_runs(surfer: Surfer, tmp_path: Path) -> None:
+    """The page computes 8 s before it shows the first picture, with some hundred strikes: see `test_consumers`."""
+    path = EXAMPLES / "gallery" / "contacts" / "cam_lift_off.toml"
+    sb.animate(sb.form_equations(sb.load_model(path)), tmp_path / "cam.html", live=True)
+    page = surfer.new_page((1200, 720))
+    page.goto((tmp_path / "cam.html").as_uri())
+    wait_until(page, "window.symbodyLive !== undefined && symbodyLive.simulation.time > 0.05")
+    page.get_by_role("button", name="Pause").click()
+    page.evaluate("symbodyLive.simulation.advanceTo(4)")
+    run = sb.simulate(sb.form_equations(sb.load_model(path)), 4.0, times=[0, 4])
+    assert page.evaluate("symbodyLive.simulation.time") == 4
+    assert state(page)[1] == pytest.approx(run["y"][-1], abs=1e-4)
+
+
 def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path) -> None:
     page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)
     page.get_by_role("button", name="Pause").click()

@@ -195,6 +195,69 @@ def test_numbers_that_cannot_be(arguments: dict[str, object], code: str, text: s
         sb.Model("m", [body, within])
 
 
+GOOD = {
+    "m": 1.0, "stiffness": 1e6, "e": 0.5, "mu": 0.3, "mu_static": 0.4, "deflection": 1e-4, "damping_time": 0.01,
+    "breakaway": 0.7, "e_stop": 0.5, "r": 0.1, "play": 0.1,
+}  # fmt: skip
+# A value given in a call, and the code of the fault that it is in a file, too.
+GIVEN = [
+    ("stiffness", -1.0, "contact.domain"),
+    ("e", 1.5, "contact.domain"),
+    ("mu", -0.1, "model.negative_friction"),
+    ("mu_static", 0.2, "model.static_friction"),
+    ("deflection", -1.0, "model.friction_scale"),
+    ("deflection", 0.0, "model.friction_scale"),
+    ("damping_time", 0.0, "model.friction_scale"),
+    ("breakaway", 1.0, "model.friction_scale"),
+    ("e_stop", -0.1, "model.restitution"),
+    ("r", -0.1, "contact.size"),
+    ("play", -1.0, "model.backlash"),
+    ("m", -1.0, "model.negative_mass"),
+]
+
+
+@pytest.fixture(scope="module")
+def many_laws() -> sb.EquationSet:
+    """A ball on the ground, a stop above it and a gear with play, with all their numbers as parameters."""
+    ball = sb.Body("Ball", mass="m", inertia=(0.01, 0.01, 0.01))
+    wheel = sb.Body("Wheel", inertia=(0, 0, 0.01))
+    rough = sb.Friction(mu="mu", mu_static="mu_static", stribeck=0.01, deflection="deflection",
+                        damping_time="damping_time", breakaway="breakaway")  # fmt: skip
+    law = sb.NormalForce(stiffness="stiffness", restitution="e", speed=1)
+    parts = [
+        sb.Planar("J", "ground", ball, axis="y", coordinates=["z", "x", "th"]),
+        sb.Revolute("pin", "ground", wheel, axis="z", coordinate="a"),
+        sb.Contact("floor", "ground", ball, ["plane", {"sphere": "r"}], normal=law, friction=rough),
+        sb.Stop("ceiling", gap="2 - z", restitution="e_stop"),
+        sb.Gear("mesh", ["a", "th"], ratio=2, backlash=sb.Backlash(angle="play", stiffness=100)),
+    ]
+    model = sb.Model("laws", parts, gravity=(0, 0, -9.81), parameters=GOOD, initial={"z": 0.2})
+    return sb.form_equations(model)
+
+
+@pytest.mark.parametrize(("name", "value", "code"), GIVEN)
+def test_numbers_given_in_a_call_are_judged_as_in_a_file(
+    name: str, value: float, code: str, many_laws: sb.EquationSet
+) -> None:
+    """By whatever computes a motion; in a sweep the other cases go on."""
+    with pytest.raises(sb.SymbodyError) as fault:
+        sb.simulate(many_laws, 0.01, parameters={name: value})
+    problem = fault.value.problems[0]
+    assert (problem.code, bool(problem.what and problem.fix)) == (code, True)
+    stepper = sb.Stepper(many_laws, 0.01)
+    with pytest.raises(sb.SymbodyError) as again:
+        stepper.set(**{name: value})
+    assert again.value.problems[0] == problem
+    with pytest.raises(sb.SymbodyError):
+        sb.LaneStepper(
+            many_laws, 0.01, 2, parameters={name: [float(many_laws.model.parameters[name].text), value]}
+        )
+    good = GOOD[name]
+    cases = sb.sweep(many_laws, 0.01, {name: [good, value, good]}, times=[0, 0.01])
+    assert [status is sb.Status.NOT_STARTED for status in cases.status] == [False, True, False]
+    assert list(cases.case_notes) == [1] and f"[{code}]" in cases.case_notes[1]
+
+
 def test_joints_have_no_friction_of_contacts() -> None:
     with pytest.raises(sb.ModelError, match="mu_y is for contacts"):
         sb.Prismatic("J", "ground", "B", friction=sb.Friction(mu=0.1, v0=1, mu_y=0.2))

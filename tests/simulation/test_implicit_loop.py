@@ -58,7 +58,7 @@ def test_python_runs_the_text_to_the_same_bits(step: float | None) -> None:
     f, k, d = implicit_kernels.slopes, implicit_kernels.turns, implicit_kernels.derivatives
     nothing, samples = Reals.zeros(1), Reals(times.tolist())
     assert begin_implicit(f, block, array, samples, t, x, nothing) == at.RUNNING
-    code = advance_implicit(f, k, d, f, block, array, samples, t, x, nothing, nothing, 10_000)
+    code = advance_implicit(f, k, d, f, f, block, array, samples, t, x, nothing, nothing, 10_000)
     assert code == at.FINISHED
     assert run.begin(record) == at.RUNNING and run.advance(record, 10_000) == at.FINISHED
     assert record.x.ravel().tolist() == [x[i] for i in range(33)]

@@ -63,6 +63,21 @@ def test_lanes_are_single_steppers_to_the_bit(options: dict[str, Any]) -> None:
     assert lanes.x.shape == (N, 4)
 
 
+@pytest.mark.parametrize("stiffness", [[0.0, 9.0], [9.0, 0.0], [0.0, 0.0], [4.0, 9.0]])
+def test_parameters_that_are_exactly_0_in_some_lanes(stiffness: list[float]) -> None:
+    """They stand in the code of these lanes, which is another one then: such lanes are stepped one by one."""
+    rail = sb.Prismatic(
+        "rail", "ground", sb.Body("Cart", mass=1), coordinate="x", force=sb.Drive(stiffness="k")
+    )
+    eqs = sb.form_equations(sb.Model("cart", [rail], parameters={"k": 1}, initial={"x": 5}))
+    lanes = sb.LaneStepper(eqs, 0.5, 2, parameters={"k": stiffness}).step().step()
+    assert lanes["x"] == pytest.approx(5 * np.cos(np.sqrt(stiffness)), abs=1e-7)
+    alone = any("one after the other" in note for note in lanes.notes)
+    assert alone == (min(stiffness) == 0.0 < max(stiffness))
+    lanes.set(k=[1.0, 4.0])
+    assert not any("one after the other" in note for note in lanes.notes)
+
+
 @pytest.mark.parametrize("constraints", [None, sb.Baumgarte()], ids=str)
 def test_closed_loops_in_lanes(constraints: Any) -> None:
     lanes, singles = side_by_side(

@@ -653,6 +653,25 @@ def test_a_stop_that_rises_takes_a_body_off_the_one_it_lies_on() -> None:
     assert run.modes[-1].t == pytest.approx(0.4, abs=1e-9)
 
 
+@pytest.mark.parametrize("lifts", [(0, 1), (1, 0), (0.5, 2, 1), (-1, 0, 0.5), (1, 1)])
+def test_stops_that_rise_from_the_start_on(lifts: tuple[float, ...]) -> None:
+    """All are closed at t = 0, where their rows contradict each other: the highest holds, z = a t^2."""
+    body = sb.Body("Body", mass=2)
+    rail = sb.Prismatic("rail", "ground", body, axis="z", coordinate="z")
+    stops = [sb.Stop(f"stop{k}", gap=f"z - {a}*t^2") for k, a in enumerate(lifts)]
+    eqs = sb.form_equations(sb.Model("lift", [rail, *stops], gravity=(0, 0, -G)))
+    a = max(lifts)
+    state = sb.assemble(eqs)
+    assert state["z_ddot"] == pytest.approx(2 * a)
+    assert sum(state.multipliers.values()) == pytest.approx(2 * (G + 2 * a))
+    run = sb.simulate(eqs, 1.0, scales={"length": 1.0})
+    assert run.success and run["z"][-1] == pytest.approx(a, rel=1e-9)
+    stepper = sb.Stepper(eqs, 0.25, scales={"length": 1.0})
+    for _ in range(4):
+        stepper.step()
+    assert stepper["z"] == pytest.approx(a, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "seeds",
     [

@@ -132,19 +132,19 @@ export function quaternionsOf(axes: Float64Array): number[] {
 const PREVIEW = 8; // seconds
 const SAMPLES = 80;
 
-/** Return the first seconds of a motion, as far as it can be computed. */
+/** Return the first seconds of a motion, as far as it can be computed and without so many steps that the page waits. */
 export function previewOf(simulation: Simulation): Motion {
   const times: number[] = [];
   const [positions, quaternions]: [number[], number[]] = [[], []];
   const { startTime, codes } = simulation.numbers;
   for (let k = 0; k < SAMPLES; k += 1) {
     const time = startTime + (PREVIEW * k) / (SAMPLES - 1);
-    simulation.advanceTo(time, 2000);
+    const isReached = simulation.advanceTo(time, 2000);
     const pose = simulation.computePose();
-    times.push(time);
+    times.push(isReached ? time : simulation.time);
     positions.push(...pose.positions);
     quaternions.push(...quaternionsOf(pose.axes));
-    if (simulation.code !== codes["RUNNING"]) break;
+    if (!isReached || simulation.code !== codes["RUNNING"]) break;
   }
   return {
     times: Float64Array.from(times),

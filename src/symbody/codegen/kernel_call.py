@@ -19,14 +19,16 @@ from symbody.codegen.llvm.stored_module import Module, read_module, store_module
 from symbody.single_flight import once
 
 NAME: Final = "symbody_kernel_call"
-POINTERS: Final = 4
+POINTERS: Final = 5
 _WITHOUT_ARGUMENTS: Final = 0x4
 # Where the address of an array's numbers stands in the array.
 _DATA: Final = 16
 
 
-def kernel_call(kernel: int, pointers: tuple[int, int, int, int], count: int) -> Callable[[], int] | None:
-    """Return a function that calls ``int64 kernel(void *, void *, void *, void *, int64)``; None without one.
+def kernel_call(
+    kernel: int, pointers: tuple[int, int, int, int, int], count: int
+) -> Callable[[], int] | None:
+    """Return a function that calls ``int64 kernel(void *, .., int64)``, five pointers; None without one.
 
     What lies at the addresses has to live as long as the function.
     """

@@ -16,7 +16,7 @@ from symbody.codegen.kernels.tree import KernelTree, Type
 from symbody.equations.solving.unilateral import unilateral_row
 from symbody.fmu.program import FUNCTION, SPAN, FmuProgram
 from symbody.fmu.variables import FmuVariable, held_states
-from symbody.kernels import block
+from symbody.kernels import block, features
 from symbody.kernels.block import Breakpoint, FunctionNumbers, Run, StateProjection
 from symbody.kernels.configurations.assembly_problem import AssemblyProblem
 from symbody.kernels.configurations.strike import STRUCK, TORN
@@ -59,6 +59,7 @@ _MODE_KERNELS: Final = (
     ("end_of_shares", ("shares_hold",)),
     ("switching_motion", ("note_ends", "forget_ends", "watch_shares")),
 )
+_FEATURES: Final = frozenset(features.__annotations__)  # those that a motion may have
 _STRIKE_KERNELS: Final = (("strike", ("strike",)),)
 _IMPLICIT_KERNELS: Final = (("implicit_machine", ("begin_implicit", "advance_implicit")),)
 _CODES: Final = ("RUNNING", "FINISHED", "COLLAPSED", "NOT_FINITE", "SINGULAR", "TOO_MANY")
@@ -76,6 +77,11 @@ _INNER_NUMBERS: Final = {
     "jacobian": ("implicit", ImplicitStep.layout["derivative_numbers"]),
     "strike": ("struck", StrikeProblem.fields["numbers"].place),
     "deciding": ("switch", ModeSwitch.fields["numbers"].place),
+}
+# Those whose numbers lie in a record of the run: where it tells of the record, and that of the numbers.
+_RECORDS_OF_RUN: Final = {
+    "projection": (Run.layout["projection"], StateProjection.layout["numbers"]),
+    "gaps": (Run.layout["gaps"], EventMonitor.layout["numbers"]),
 }
 # What `sb_functions` holds in this order, by the name of its index.
 _PURPOSES: Final = {
@@ -102,8 +108,9 @@ def model_text(program: FmuProgram, variables: Sequence[FmuVariable], token: str
         *(_STRIKE_KERNELS if "strike" in program.functions else ()),
         *(_MODE_KERNELS if program.modal.modes else ()),
     ]
+    parts = _FEATURES if "gaps" in program.functions else _FEATURES - {"GAPS"}
     for file, roots in (*_KERNELS, *rare):
-        kernels |= read_kernels(file, *roots)
+        kernels |= read_kernels(file, *roots, features=parts)
     for function in program.functions.values():
         kernels |= function.kernels
     pool, places = _pool(program)
@@ -147,9 +154,10 @@ def _pool(program: FmuProgram) -> tuple[Floats, Mapping[str, int]]:
     places: dict[str, int] = dict(zip(blocks, [0, *ends], strict=False))
     parts, size = list(blocks.values()), ends[-1]
     for name, function in program.functions.items():
-        if name == "projection":
-            begin = int(motion[Run.layout["projection"]])
-            places[name] = begin + int(motion[begin + StateProjection.layout["numbers"]])
+        if name in _RECORDS_OF_RUN:
+            record, numbers = _RECORDS_OF_RUN[name]
+            begin = int(motion[record])
+            places[name] = begin + int(motion[begin + numbers])
         elif name in _INNER_NUMBERS:
             block, place = _INNER_NUMBERS[name]
             places[name] = places[block] + int(blocks[block][place])
@@ -212,6 +220,7 @@ def _sizes(program: FmuProgram, pool: Floats, places: Mapping[str, int]) -> dict
         "SB_CLOSED": repr(residual_share(program.motion.projection, None)),
         "SB_OPEN": repr(OPEN),
         "SB_PROJECTION": f"{_MECHANISM}{'projection' if program.is_projected else 'motion'}",
+        "SB_GAP_FUNCTION": f"{_MECHANISM}{'gaps' if 'gaps' in functions else 'motion'}",
         "SB_WATCHED_FUNCTION": f"{_MECHANISM}{'indicators' if program.watched_events else 'motion'}",
         "SB_ACTION_FUNCTION": f"{_MECHANISM}{'action' if 'action' in functions else 'motion'}",
         "SB_SAMPLE_FUNCTION": f"{_MECHANISM}{'samples' if program.samples.values else 'motion'}",

@@ -29,7 +29,9 @@ from symbody.simulation.events.event_functions import (
     action_outputs,
     check_action_shapes,
     check_value_shapes,
+    gap_events,
     numbers_of_events,
+    watch_steps_alone,
 )
 from symbody.simulation.events.events import Event
 from symbody.simulation.events.watch_arrays import WatchNumbers, make_watch_block
@@ -57,6 +59,7 @@ from symbody.simulation.programs.program_function import (
     ProgramFunction,
     implicit_array,
     make_function,
+    method_bounds,
     motion_block,
 )
 from symbody.simulation.sampling.sampled_loop import check_numbers
@@ -87,7 +90,7 @@ class FmuProgram:
         What is watched.
     functions : mapping of str to ProgramFunction
         By purpose: motion, slope, output, and where there are any projection, assembly, derivatives,
-        sensitivities, indicators, action, parameters, sides, deciding, ends, samples, periods, strike.
+        sensitivities, indicators, gaps, action, parameters, sides, deciding, ends, samples, periods, strike.
     conditions : tuple of Condition
         What decides the branches that are frozen between events of model exchange.
     modal : ModalEquations
@@ -142,6 +145,20 @@ class FmuProgram:
         """Events, and the ends of modes behind them."""
         return (*self.events, *mode_ends(self.modal))
 
+    def _watched_gaps(self) -> Floats:
+        """Return the array of an `EventMonitor` of gaps over which no step may pass; empty without any."""
+        if "gaps" not in self.functions:
+            return np.zeros(0)
+        eqs, function, nothing = self.modal.eqs, self.functions["gaps"], np.zeros(0)
+        gaps = gap_events(self.motion.integration.problem, self.motion.method)
+        numbers = WatchNumbers(
+            len(eqs.state_names) + 1, len(eqs.speed_names), function.array, nothing, nothing
+        )
+        made = make_watch_block(numbers_of_events(eqs, gaps, function), numbers)
+        tableau, *_ = method_bounds(self.motion.method, self.motion.breakpoints)
+        watch_steps_alone(EventMonitor(made), SPAN, 4 + len(tableau.dense))
+        return made
+
     def watch(self) -> Floats:
         """Return the array of an `EventMonitor`; empty where nothing is watched.
 
@@ -180,7 +197,7 @@ class FmuProgram:
         motion = self.motion
         if self.jumps.are_more:
             motion = replace(motion, breakpoints=motion.breakpoints.truncate(self.jumps.times[-1][0]))
-        made = motion_block(motion, self._step_functions, self.modal.eqs)
+        made = motion_block(motion, self._step_functions, self.modal.eqs, self._watched_gaps())
         room = Run(made).room
         room.keep_dense, room.steps = 1.0, self.steps
         return made
@@ -249,6 +266,7 @@ def make_program(
     functions = _Functions(parameters, len(conditions))
     made = functions.of_motion(motion, modal, conditions, outputs, constraints)
     watched, actions = (*events, *mode_ends(modal)), action_outputs(events)
+    gaps = gap_events(motion.integration.problem, motion.method)
     periods = [f"({period})" for period in samples.periods]
     deciding: list[str] = []
     for output in deciding_outputs(modal) if modal.modes else ():
@@ -258,6 +276,7 @@ def make_program(
     for name, source, own in (
         ("deciding", eqs, deciding),
         ("indicators", modal.eqs, [str(event.expression) for event in watched]),
+        ("gaps", modal.eqs, [str(gap.expression) for gap in gaps]),
         ("action", modal.eqs, actions),
         ("samples", modal.eqs, samples.formulas),
         ("periods", modal.eqs, periods),

@@ -198,6 +198,7 @@ class Run(RecordLayout):
     dense: Reals = pointer()  # dense output of one step
     numbers: FunctionNumbers = pointer()  # of the right-hand side
     projection: StateProjection = pointer()  # nowhere if nothing is projected
+    gaps: Reals = pointer()  # an `EventMonitor` of those over which no step may pass; nowhere without any
 
 
 class Verdict(RecordLayout):

@@ -164,8 +164,8 @@ def step_by_method(
 ) -> int:  # fmt: skip
     """Try one step; return one of the codes of `block`."""
     if IMPLICIT != 0:
-        return advance_implicit(f, k, j, g, run, implicit, times, t, x, breaks, pieces, 1)
-    return advance(f, g, run, times, t, x, breaks, pieces, 1)
+        return advance_implicit(f, k, j, g, f, run, implicit, times, t, x, breaks, pieces, 1)
+    return advance(f, g, f, run, times, t, x, breaks, pieces, 1)
 
 
 def step_to_sample(

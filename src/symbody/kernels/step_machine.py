@@ -25,6 +25,8 @@ from symbody.kernels.block import (
 )
 from symbody.kernels.configurations.projection import project, project_new_state
 from symbody.kernels.dense_output import form_dense_output, interpolate
+from symbody.kernels.events.passed_gaps import passes_gap
+from symbody.kernels.features import GAPS
 from symbody.kernels.language import INFINITY, Function, Reals, is_finite, part, sqrt
 from symbody.kernels.power import power
 from symbody.kernels.record_layout import exists
@@ -132,8 +134,9 @@ def pass_jump(f: Function, run: Run) -> None:
 
 
 def try_step(
-    f: Function, g: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals
-) -> int:
+    f: Function, g: Function, e: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals,
+    pieces: Reals,
+) -> int:  # fmt: skip
     """Try one step; return why there is no other, or `RUNNING`."""
     plan_trial(run, run.time, run.step)
     h = run.length
@@ -146,7 +149,7 @@ def try_step(
     if run.counts.failed_kernel == CHART_IS_WORN:
         return CHART_ENDS
     if error <= 1.0:
-        error = keep_step(f, g, run, error, times, t, x, breaks, pieces)
+        error = keep_step(f, g, e, run, error, times, t, x, breaks, pieces)
     if not error <= 1.0:
         reject(run, h, error)
         return RUNNING
@@ -162,28 +165,48 @@ def try_step(
     return RUNNING
 
 
+def form_piece(f: Function, e: Function, run: Run, piece: Reals) -> int:
+    """Form the dense output of a step; return 1 if all of it is finite and it passes over no gap, else 0."""
+    if form_dense_output(f, run, run.time, run.length, piece) == 0:
+        return 0
+    if GAPS != 0:
+        if exists(run.gaps):
+            return 1 - passes_gap(e, run, piece)
+    return 1
+
+
+def needs_dense_output(run: Run, times: Reals) -> int:
+    """Return 1 if the dense output of a step is needed that is not kept, else 0."""
+    if GAPS != 0:
+        if exists(run.gaps):
+            return 1
+    if run.room.every_step == 0.0 and is_sampled(run, times) == 1:
+        return 1
+    return 0
+
+
 def keep_step(
-    f: Function, g: Function, run: Run, error: float, times: Reals, t: Reals, x: Reals, breaks: Reals,
-    pieces: Reals,
+    f: Function, g: Function, e: Function, run: Run, error: float, times: Reals, t: Reals, x: Reals,
+    breaks: Reals, pieces: Reals,
 ) -> float:  # fmt: skip
-    """Store what is kept of an accepted step; return its error, infinite if not all of it is finite."""
+    """Store what is kept of an accepted step; return its error, infinite if `form_piece` refuses it."""
     n = run.states
     rows = run.method.dense_rows
     if run.room.keep_dense != 0.0:
         steps = run.counts.steps
         piece = part(pieces, steps * rows * n, rows * n)
-        if form_dense_output(f, run, run.time, run.length, piece) == 0:
+        if form_piece(f, e, run, piece) == 0:
             return INFINITY
         breaks[steps + 1] = run.t_new
         run.counts.steps = run.counts.steps + 1
         if run.room.every_step == 0.0:
             store_samples(g, run, piece, times, t, x)
-    elif run.room.every_step == 0.0 and is_sampled(run, times) != 0:
-        F = run.dense
-        if is_sampled(run, times) == 1:
-            if form_dense_output(f, run, run.time, run.length, F) == 0:
+    else:
+        if needs_dense_output(run, times) != 0:
+            if form_piece(f, e, run, run.dense) == 0:
                 return INFINITY
-        store_samples(g, run, F, times, t, x)
+        if run.room.every_step == 0.0:
+            store_samples(g, run, run.dense, times, t, x)
     if run.room.every_step != 0.0:
         store_sample(run, run.t_new, run.state_new, t, x)
     return error
@@ -203,17 +226,18 @@ def reached_limit(run: Run) -> int:
 
 
 def advance(
-    f: Function, g: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals,
-    trials: int,
+    f: Function, g: Function, e: Function, run: Run, times: Reals, t: Reals, x: Reals, breaks: Reals,
+    pieces: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps; return one of the codes of `block`.
 
-    `FULL` wants more room for the record, `RUNNING` another call.
+    `FULL` wants more room for the record, `RUNNING` another call. `e` gives the gaps over which no step may
+    pass, if the run has any.
     """
     for _trial in range(trials):
         code = reached_limit(run)
         if code == RUNNING:
-            code = try_step(f, g, run, times, t, x, breaks, pieces)
+            code = try_step(f, g, e, run, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING

@@ -79,8 +79,11 @@ def conclude_step(run: Run, S: Reals, code: int) -> None:
         run.step = S[PLANNED]  # a step that only the end cut short says nothing of the next
 
 
-def step(f: Function, g: Function, run: Run, S: Reals, trials: int) -> int:
-    """Go on with a step by at most so many of the integrator's; return one of the codes of `block`."""
+def step(f: Function, g: Function, e: Function, run: Run, S: Reals, trials: int) -> int:
+    """Go on with a step by at most so many of the integrator's; return one of the codes of `block`.
+
+    `e` gives the gaps over which none of these may pass, if there are any.
+    """
     n = run.states
     code = RUNNING
     if S[UNDER_WAY] == 0.0:
@@ -91,7 +94,7 @@ def step(f: Function, g: Function, run: Run, S: Reals, trials: int) -> int:
         left = left - 1
         if run.time != run.t_end:
             S[PLANNED] = run.step
-        code = advance(f, g, run, nothing, nothing, nothing, nothing, nothing, 1)
+        code = advance(f, g, e, run, nothing, nothing, nothing, nothing, nothing, 1)
     if code != RUNNING:
         conclude_step(run, S, code)
     S[NOW] = run.time

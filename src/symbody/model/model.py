@@ -276,7 +276,7 @@ def resolve_parameters(model: Model, overrides: Mapping[str, Value] | None = Non
 
 
 def value_problems(model: Model, given: Mapping[str, Value], free: Iterable[str] = ()) -> list[Problem]:
-    """Return what is impossible about bodies, joints and blocks with other values, as in a file.
+    """Return what is impossible about elements with other values, as in a file.
 
     Values of `free` parameters are not known. Names that are none of the model are not judged.
     """

@@ -53,6 +53,14 @@ class NumericChecks:
         numbers = [value for value in found if value is not None]
         return numbers if len(numbers) == len(found) else None
 
+    def judge(self, domain: Domain, formula: Formula, where: str) -> float | None:
+        """Note a value that is outside of a domain; return it."""
+        value = self.value(formula, where)
+        if value is not None and not domain.has(value):
+            what = domain.what.format(formula=formula, value=f"{value:g}")
+            self.refuse(domain.code, where, what, domain.why, domain.fix)
+        return value
+
     def refuse(self, code: str, where: str, what: str, why: str, fix: str) -> None:
         """Note an error."""
         self.problems.append(Problem(code, where, what, why, fix))
@@ -97,19 +105,37 @@ class Domain:
 
     def __call__(self, check: NumericChecks, formula: Formula, where: str) -> float | None:
         """Note a value that is outside; return it."""
-        value = check.value(formula, where)
-        if value is not None and not self.has(value):
-            what = self.what.format(formula=formula, value=f"{value:g}")
-            check.refuse(self.code, where, what, self.why, self.fix)
-        return value
+        return check.judge(self, formula, where)
 
 
 class Demand(NamedTuple):
-    """A formula of a block, or what follows from several, with its domain."""
+    """A formula, or what follows from several, with its domain."""
 
     path: str
     formula: Formula
     domain: Domain
+
+
+class DemandList(NumericChecks):
+    """Collects what is demanded of formulas, whatever their values are.
+
+    Attributes
+    ----------
+    demands : list of Demand
+    """
+
+    __slots__ = ("demands",)
+
+    def __init__(self) -> None:
+        super().__init__({})
+        self.demands: list[Demand] = []
+
+    def value(self, formula: Formula, where: str) -> None:
+        """Return None: there are no values."""
+
+    def judge(self, domain: Domain, formula: Formula, where: str) -> None:
+        """Collect the domain of a formula."""
+        self.demands.append(Demand(where, formula, domain))
 
 
 # Takes the checks, a formula and its place.

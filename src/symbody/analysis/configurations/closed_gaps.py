@@ -16,12 +16,16 @@ from numpy.typing import NDArray
 from symbody.analysis.accelerations import complete_state
 from symbody.analysis.configurations.gap_words import gap_words
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
+from symbody.analysis.modes.mode_decision import OPEN, UNDECIDED, mode_numbers
+from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.analysis.state import State
 from symbody.analysis.velocities import solve_speeds
 from symbody.codegen.formation.names import Value
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.outputs.output_roots import OF_MODES
 from symbody.equations.solving.unilateral import gap_place, open_gaps, unilateral_elements
 from symbody.errors import AssemblyError, Problem
+from symbody.kernels.modes.mode_problem import HOLDS
 from symbody.tolerances import AT_REST, TINY
 
 Floats = NDArray[np.float64]
@@ -196,12 +200,31 @@ class _Speeds:
         closed = [name for name in near if abs(closing[name]) <= AT_REST]
         while True:
             evaluator = self.evaluate(with_closed_gaps(self.eqs, closed))
-            result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
+            try:
+                result = complete_state(evaluator, self.q, u, self.q, self._guessed_rates(evaluator))
+            except AssemblyError:  # their rows may contradict each other: a stop that begins to rise
+                held = self._find_held(u, closed)
+                if len(held) == len(closed):
+                    raise
+                closed = held
+                continue
             pushes = {name: -float(result[f"opening_effort {name}"]) for name in closed}
             worst = max(pushes, key=lambda name: pushes[name], default="")
             if not worst or pushes[worst] <= 0.0:
                 return result
             closed.remove(worst)
+
+    def _find_held(self, u: Floats, closed: list[str]) -> list[str]:
+        """Return which closed gaps are held by efforts, as a motion decides; all where none is found."""
+        evaluator = self.evaluate(self.eqs)
+        values = evaluator.compile(OF_MODES)(evaluator.t, self.q, u, s=evaluator.signals)
+        numbers = mode_numbers(self.eqs, values, evaluator.mechanism)
+        openings = {name: UNDECIDED if name in closed else OPEN for name in numbers.gaps}
+        found = numbers.decide(openings)
+        if found.verdict is not ModeVerdict.ONE:
+            return closed
+        modes = dict(zip(numbers.names, found.modes, strict=True))
+        return [name for name in closed if modes[name] == HOLDS]
 
     def _speeds(self, near: list[str]) -> tuple[Floats, dict[str, float]]:
         """Return speeds, and the rates at which closed gaps become negative."""

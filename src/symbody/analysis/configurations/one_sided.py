@@ -18,7 +18,7 @@ from symbody.analysis.accelerations import complete_state
 from symbody.analysis.configurations.closed_gaps import AT_LENGTH, gap_shares, with_closed_gaps
 from symbody.analysis.configurations.gap_words import gap_words
 from symbody.analysis.constraint_evaluator import ConstraintEvaluator, constraint_evaluator
-from symbody.analysis.modes.mode_decision import UNDECIDED, Opening, mode_numbers
+from symbody.analysis.modes.mode_decision import OPEN, UNDECIDED, Opening, mode_numbers
 from symbody.analysis.modes.reduced_modes import ModeVerdict
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
@@ -247,7 +247,7 @@ def _search(eqs: EquationSet, state: State) -> _ModeSearch:
         for name, share in gap_shares(evaluator, q).items():
             rate = float(evaluator.compile(f"gap_dot {name}")(evaluator.t, q, u))
             at_length = name in rows and share <= AT_LENGTH and abs(rate) <= small * sizes[name]
-            openings[name] = UNDECIDED if at_length else Opening(LOOSE, is_decided=True)
+            openings[name] = UNDECIDED if at_length else OPEN
     search = _ModeSearch(eqs, state, q, u, evaluator.mechanism.length, sizes, openings)
     for name in joints:
         if search.is_contact(name):

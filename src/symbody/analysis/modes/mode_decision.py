@@ -35,6 +35,7 @@ class Opening(NamedTuple):
 
 
 UNDECIDED = Opening(HOLDS)
+OPEN = Opening(LOOSE, is_decided=True)  # of a gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)

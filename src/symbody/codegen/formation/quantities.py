@@ -15,6 +15,7 @@ from symbody.model.inertia import is_possible_inertia
 from symbody.model.joint import Joint
 from symbody.model.lengths import model_lengths
 from symbody.model.model import Model
+from symbody.model.numeric_checks import DemandList
 from symbody.model.signals.block import SignalBlock
 from symbody.model.signals.signal import Signal
 
@@ -55,7 +56,7 @@ class QuantityPlan:
     ----------
     judged : set of str
         Parameters that are read by what plain quantities do not show to be possible: axes, rotations, joints,
-        products of inertia, arguments of blocks.
+        products of inertia, arguments of blocks, and what has a domain, as a restitution.
     """
 
     def __init__(self, eqs: EquationSet) -> None:
@@ -80,13 +81,18 @@ def quantity_plan(eqs: EquationSet) -> QuantityPlan:
 
 
 def _names_to_judge(model: Model) -> Iterator[str]:
-    """Yield the parameters of axes, rotations, joints, signals and blocks, and of bodies with products."""
+    """Yield the parameters of joints, signals, blocks and bodies with products, and of what has a domain."""
+    found = DemandList()
     for element in model.elements:
         if isinstance(element, Joint | Signal | SignalBlock) or (
             isinstance(element, Body) and _is_special(element)
         ):
             for use in element.formula_sites():
                 yield from use.formula.names
+        elif not isinstance(element, Body):
+            element.check_numbers(found, "")
+    for demand in found.demands:
+        yield from demand.formula.names
 
 
 def _is_special(body: Body) -> bool:

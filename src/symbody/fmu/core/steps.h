@@ -128,11 +128,11 @@ static void try_step(Motion *m)
     B[SB_RUN_T_END] = stop;
 #if SB_IS_IMPLICIT
     m->code = symbody_advance_implicit(
-        symbody_mechanism_motion, symbody_mechanism_turn, symbody_mechanism_jacobian, SB_PROJECTION, B,
+        symbody_mechanism_motion, symbody_mechanism_turn, symbody_mechanism_jacobian, SB_PROJECTION, SB_GAP_FUNCTION, B,
         m->pool + SB_IMPLICIT, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #else
     m->code = symbody_advance(
-        symbody_mechanism_motion, SB_PROJECTION, B, nothing, nothing, nothing, m->breaks, m->pieces, 1);
+        symbody_mechanism_motion, SB_PROJECTION, SB_GAP_FUNCTION, B, nothing, nothing, nothing, m->breaks, m->pieces, 1);
 #endif
     B[SB_RUN_T_END] = end;
     if (m->code == SB_RUNNING && B[SB_RUN_TIME] >= stop) m->code = SB_FINISHED;

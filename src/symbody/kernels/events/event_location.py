@@ -250,6 +250,7 @@ def add_touch(
         add_root(e, monitor, breaks, pieces, place, lowest, end, side)
     elif abs(value) <= TOUCHING * largest:
         beside = abs(value_at(e, monitor, breaks, pieces, place, begin))
-        beside = max(beside, abs(value_at(e, monitor, breaks, pieces, place, end)))
+        other = abs(value_at(e, monitor, breaks, pieces, place, end))
+        beside = max(beside, other)
         if abs(value) <= DEEP * beside:  # largest may be the value beside a pole
             add_zero(monitor, lowest, place, 0.0)

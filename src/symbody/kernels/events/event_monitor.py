@@ -125,6 +125,7 @@ class EventMonitor(RecordLayout):
     after: Reals = pointer("states")
     scratch: Reals = pointer("states", 3)
     rate: Reals = pointer("states")  # rates of the states, the work left out
+    ends: Reals = pointer(2)  # of a step that is looked at by itself
     # The fit of a cut: for each row of a piece a share of a step, the matrix from states there to the rows,
     # and these states.
     cut_fit: Reals = pointer()

@@ -139,8 +139,8 @@ def accept_implicit(f: Function, run: Run, implicit: ImplicitStep, error: float)
 
 
 def try_implicit(
-    f: Function, k: Function, d: Function, g: Function, run: Run, implicit: ImplicitStep, times: Reals,
-    t: Reals, x: Reals, breaks: Reals, pieces: Reals,
+    f: Function, k: Function, d: Function, g: Function, e: Function, run: Run, implicit: ImplicitStep,
+    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals,
 ) -> int:  # fmt: skip
     """Try one step; return why there is no other, or `RUNNING`."""
     plan_trial(run, run.time, run.step)
@@ -149,7 +149,7 @@ def try_implicit(
         return failure(run)
     error = attempt_implicit(f, k, d, g, run, implicit, h)
     if error >= 0.0 and error <= 1.0:
-        error = keep_step(f, g, run, error, times, t, x, breaks, pieces)
+        error = keep_step(f, g, e, run, error, times, t, x, breaks, pieces)
     if error >= 0.0 and error <= 1.0:
         accept_implicit(f, run, implicit, error)
         return RUNNING
@@ -163,14 +163,14 @@ def try_implicit(
 
 
 def advance_implicit(
-    f: Function, k: Function, d: Function, g: Function, run: Run, implicit: ImplicitStep, times: Reals,
-    t: Reals, x: Reals, breaks: Reals, pieces: Reals, trials: int,
+    f: Function, k: Function, d: Function, g: Function, e: Function, run: Run, implicit: ImplicitStep,
+    times: Reals, t: Reals, x: Reals, breaks: Reals, pieces: Reals, trials: int,
 ) -> int:  # fmt: skip
     """Try up to so many steps; return one of the codes of `block`, as `step_machine.advance` does."""
     for _trial in range(trials):
         code = reached_limit(run)
         if code == RUNNING:
-            code = try_implicit(f, k, d, g, run, implicit, times, t, x, breaks, pieces)
+            code = try_implicit(f, k, d, g, e, run, implicit, times, t, x, breaks, pieces)
         if code != RUNNING:
             return code
     return RUNNING

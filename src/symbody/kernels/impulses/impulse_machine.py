@@ -350,7 +350,7 @@ def try_impulses(
         return failure(run)
     if finish_impulses(f, g, run, step) == 0:
         return failure(run)
-    if keep_step(f, g, run, 0.0, times, t, x, breaks, pieces) > 0.0:
+    if keep_step(f, g, f, run, 0.0, times, t, x, breaks, pieces) > 0.0:
         return failure(run)
     note_step(run, step, h, S, Z)
     n = step.states

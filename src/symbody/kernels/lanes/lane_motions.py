@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from symbody.kernels.block import FINISHED, NOT_ENDED, RUNNING, STIFF, Run, Verdict
 from symbody.kernels.configurations.projection import project_new_state
+from symbody.kernels.events.passed_gaps import passes_gap
+from symbody.kernels.features import GAPS
 from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.kernels.lanes.lane_steps import (
     attempt_lanes,
@@ -20,12 +22,14 @@ from symbody.kernels.lanes.lane_steps import (
 )
 from symbody.kernels.language import INFINITY, LANES, Function, Reals, part, take, where
 from symbody.kernels.many_motions import conclude, prepare
+from symbody.kernels.record_layout import exists
 from symbody.kernels.runge_kutta import accept, count_stiff_votes, reject
 from symbody.kernels.step_bounds import behind_jump, plan_trial
 from symbody.kernels.step_machine import (
     begin,
     failure,
     is_sampled,
+    needs_dense_output,
     pass_jump,
     reached_limit,
     store_samples,
@@ -187,14 +191,14 @@ def renew_derivatives(wide: Function, group: LaneGroup) -> int:
     return 0
 
 
-def mark_samples(group: LaneGroup, times: Reals) -> int:
-    """Mark the lanes whose steps have samples inside; return 1 if there are any, else 0."""
+def mark_dense(group: LaneGroup, times: Reals) -> int:
+    """Mark the lanes whose steps need their dense outputs; return 1 if there are any, else 0."""
     some = 0
     for lane in range(LANES):
         run = Run.view(group.runs, lane * group.run_size)
         group.mask[lane] = 0.0
         if run.cases.current >= 0 and group.error[lane] <= 1.0:
-            if is_sampled(run, times) == 1:
+            if needs_dense_output(run, times) != 0:
                 group.mask[lane] = 1.0
                 some = 1
     return some
@@ -211,7 +215,19 @@ def judge(group: LaneGroup, lane: int) -> int:
     return 0
 
 
-def conclude_lane(g: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals) -> None:
+def passes_gap_in_lane(e: Function, group: LaneGroup, lane: int) -> int:
+    """Return 1 if the step of a lane passes over a gap, see `passed_gaps`, else 0."""
+    if GAPS != 0:
+        run = Run.view(group.runs, lane * group.run_size)
+        if exists(run.gaps):
+            gather(lane, run.method.dense_rows * run.states, group.dense, run.dense)
+            return passes_gap(e, run, run.dense)
+    return 0
+
+
+def conclude_lane(
+    g: Function, e: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals
+) -> None:
     """Accept or reject the step of a lane, and mark the lane if it is accepted."""
     run = Run.view(group.runs, lane * group.run_size)
     error = group.error[lane]
@@ -223,6 +239,9 @@ def conclude_lane(g: Function, group: LaneGroup, lane: int, times: Reals, t: Rea
         if group.first[lane] != 0.0:
             error = INFINITY
     group.mask[lane] = 0.0
+    if error <= 1.0:
+        if passes_gap_in_lane(e, group, lane) != 0:
+            error = INFINITY
     if not error <= 1.0:
         reject(run, run.length, error)
         return
@@ -239,20 +258,20 @@ def conclude_lane(g: Function, group: LaneGroup, lane: int, times: Reals, t: Rea
 
 
 def try_alone(
-    f: Function, g: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals
+    f: Function, g: Function, e: Function, group: LaneGroup, lane: int, times: Reals, t: Reals, x: Reals
 ) -> None:
     """Try the step of a lane as that of one motion, from what it started from."""
     run = Run.view(group.runs, lane * group.run_size)
     samples = run.room.times * run.states
     gather_all(group, lane)
     own = part(x, run.cases.current * samples, samples)
-    run.cases.lane_code = try_step(f, g, run, times, t, own, t, t)
+    run.cases.lane_code = try_step(f, g, e, run, times, t, own, t, t)
     scatter_all(group, lane)
 
 
 def conclude_all(
-    f: Function, wide: Function, g: Function, group: LaneGroup, attempted: int, times: Reals, t: Reals,
-    x: Reals,
+    f: Function, wide: Function, g: Function, e: Function, group: LaneGroup, attempted: int, times: Reals,
+    t: Reals, x: Reals,
 ) -> None:  # fmt: skip
     """Accept or reject the steps that `attempt_lanes` tried; with a status other than 0 it failed."""
     status = attempted
@@ -260,7 +279,7 @@ def conclude_all(
         status = project_lanes(wide, g, group)
     dense_status = 0
     if status == 0:
-        if mark_samples(group, times) != 0:
+        if mark_dense(group, times) != 0:
             dense_status = form_dense_outputs(wide, group)
     n = group.states
     for lane in range(LANES):
@@ -268,10 +287,10 @@ def conclude_all(
         if run.cases.current < 0:
             group.mask[lane] = 0.0
         elif status == 0 and (dense_status == 0 or group.mask[lane] == 0.0):
-            conclude_lane(g, group, lane, times, t, x)
+            conclude_lane(g, e, group, lane, times, t, x)
         else:
             group.mask[lane] = 0.0
-            try_alone(f, g, group, lane, times, t, x)
+            try_alone(f, g, e, group, lane, times, t, x)
     size = n * LANES
     K = group.slopes
     take_marked(group, n, group.state_new, group.state_old)
@@ -303,7 +322,7 @@ def run_lanes(
         if running == 0:
             return FINISHED
         attempted = attempt_lanes(wide, group)
-        conclude_all(f, wide, g, group, attempted, times, t, x)
+        conclude_all(f, wide, g, f, group, attempted, times, t, x)
     for lane in range(LANES):
         run = Run.view(group.runs, lane * group.run_size)
         if run.cases.current >= 0:

@@ -60,8 +60,9 @@ def plan_step(group: LaneGroup, lane: int, S: Reals) -> int:
 
 
 def step_lanes(
-    f: Function, wide: Function, g: Function, group: LaneGroup, S: Reals, size: int, count: int, turns: int
-) -> int:
+    f: Function, wide: Function, g: Function, e: Function, group: LaneGroup, S: Reals, size: int, count: int,
+    turns: int,
+) -> int:  # fmt: skip
     """Go on with the steps of the first `count` lanes; return `FINISHED` where all have ended."""
     nothing = part(S, 0, 1)
     for _turn in range(turns):
@@ -71,7 +72,7 @@ def step_lanes(
         if running == 0:
             return FINISHED
         attempted = attempt_lanes(wide, group)
-        conclude_all(f, wide, g, group, attempted, nothing, nothing, nothing)
+        conclude_all(f, wide, g, e, group, attempted, nothing, nothing, nothing)
     for lane in range(count):
         if Run.view(group.runs, lane * group.run_size).cases.current >= 0:
             gather_all(group, lane)
@@ -80,8 +81,8 @@ def step_lanes(
 
 
 def step_all(
-    f: Function, wide: Function, g: Function, groups: Reals, stride: int, S: Reals, size: int, count: int,
-    begins: int, turns: int,
+    f: Function, wide: Function, g: Function, e: Function, groups: Reals, stride: int, S: Reals, size: int,
+    count: int, begins: int, turns: int,
 ) -> int:  # fmt: skip
     """Take a step in `count` lanes, whose common blocks lie one behind the other, `stride` numbers apart.
 
@@ -99,7 +100,7 @@ def step_all(
         if begins != 0:
             for lane in range(some):
                 begin_lane(f, own, lane, part(rows, lane * size, size))
-        if step_lanes(f, wide, g, own, rows, size, some, turns) == RUNNING:
+        if step_lanes(f, wide, g, e, own, rows, size, some, turns) == RUNNING:
             running = 1
         for lane in range(some):
             ended = Run.view(own.runs, lane * own.run_size).cases.lane_code

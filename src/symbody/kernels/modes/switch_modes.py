@@ -68,7 +68,8 @@ def settle_modes(d: Function, w: Function, modes: ModeSwitch, Z: Reals, t: float
         if wrong == 1 and code == SETTLED:
             code = decide_at_speeds(modes)
             if code == SETTLED:
-                is_new = max(is_new, take_modes(modes))
+                if take_modes(modes) == 1:
+                    is_new = 1
                 if is_struck == 1 and turn == 0:
                     t_rest = t + rest_of_impacts(modes)
                 note_slips(modes)

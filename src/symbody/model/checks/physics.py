@@ -15,14 +15,20 @@ from symbody.model.element import Element
 from symbody.model.inertia import is_possible_inertia, may_be_about
 from symbody.model.joint import Joint
 from symbody.model.numeric_checks import Domain, NumericChecks
-from symbody.model.signals.block import SignalBlock
-from symbody.model.signals.signal import Signal
 
 _MASSES: Final = Domain(
     "model.negative_mass", "the mass is {value} kg", "a sign is wrong",
     "give a positive mass, or 0 for a massless body", 0.0,
 )  # fmt: skip
 _UNCHANGED: Final = "unphysical=True uses them unchanged (unphysical = true in a file)"
+
+
+def check_element(check: NumericChecks, element: Element, label: str) -> None:
+    """Check the numbers of an element."""
+    if isinstance(element, Body):
+        check_body(check, element, label)
+    else:
+        element.check_numbers(check, label)
 
 
 def check_body(check: NumericChecks, body: Body, label: str) -> None:
@@ -94,15 +100,12 @@ def _check_size(
 def value_problems(
     elements: Mapping[str, Element], values: Mapping[str, Constant], changed: Set[str]
 ) -> list[Problem]:
-    """Return what is impossible about bodies, joints, signals and blocks that read parameters given anew."""
+    """Return what is impossible about elements that read parameters given anew."""
     check = NumericChecks(values)
     for label, element in elements.items():
         if changed.isdisjoint(name for site in element.formula_sites() for name in site.formula.names):
             continue
-        if isinstance(element, Body):
-            check_body(check, element, label)
-        elif isinstance(element, Joint | Signal | SignalBlock):
-            element.check_numbers(check, label)
+        check_element(check, element, label)
     return check.problems
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from symbody.errors import ModelError, Problem
 from symbody.expr.language.formula import Formula
 from symbody.model.body import GROUND_FRAMES, Body
-from symbody.model.checks.physics import check_body, check_initial, initial_problems
+from symbody.model.checks.physics import check_element, check_initial, initial_problems
 from symbody.model.checks.signals import collect_signals, loop_problems
 from symbody.model.checks.structure import (
     coupling_problems,
@@ -187,11 +187,9 @@ def _check_numbers(draft: Draft, elements: Mapping[str, Element]) -> NumericChec
     _check_shapes(check, draft.ground_shapes, "model, ground.shape")
     check_initial(check, draft.initial, (*draft.joints, *draft.free_joints))
     for label, element in elements.items():
+        check_element(check, element, label)
         if isinstance(element, Body):
-            check_body(check, element, label)
             _check_shapes(check, element.shapes, f"{label}, shape")
-        else:
-            element.check_numbers(check, label)
     return check
 
 

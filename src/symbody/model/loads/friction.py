@@ -12,6 +12,7 @@ from symbody.model.declarations.declaration import Declared
 from symbody.model.declarations.fields import OptionalQuantity, Quantity, part
 from symbody.model.declarations.formula_site import Scope
 from symbody.model.numeric_checks import Domain, NumericChecks
+from symbody.model.signals.block import difference
 
 _STRENGTHS: Final = {
     name: Domain("model.negative_friction", f"the {word} {name} is {{value}}",
@@ -29,6 +30,12 @@ _BREAKAWAY: Final = Domain(
     "it is the share of the strength below which nothing slips",
     "give a number from 0 (LuGre's law, which creeps) to 0.99, or leave breakaway out", 0.0, most=0.99,
 )  # fmt: skip
+_ORDERS: Final = {
+    resting: Domain("model.static_friction", f"{resting} is less than {moving}: {{formula}} is {{value}}",
+                    "a sticking joint would slip and immediately stick again",
+                    f"give a value of at least {moving}, or leave {resting} out", 0.0)
+    for moving, resting in (("mu", "mu_static"), ("force", "static"))
+}  # fmt: skip
 _DOMAINS: Final = MappingProxyType({**_STRENGTHS, **_SCALES, "breakaway": _BREAKAWAY})
 
 
@@ -160,17 +167,15 @@ class Friction(Declared):
 
 def check_friction(check: NumericChecks, friction: Friction, where: str, turns: bool) -> None:
     """Refuse friction with impossible numbers; `turns` says that it holds back an angle."""
-    values: dict[str, float | None] = {}
     for name, domain in _DOMAINS.items():
         formula: Formula | None = getattr(friction, name)
-        values[name] = None if formula is None else domain(check, formula, f"{where}.{name}")
-    for moving, resting in (("mu", "mu_static"), ("force", "static")):
-        low, high = values[moving], values[resting]
-        if low is not None and high is not None and high < low:
-            what = f"{resting} = {high:g} is less than {moving} = {low:g}"
-            why = "a sticking joint would slip and immediately stick again"
-            fix = f"give a value of at least {low:g}, or leave {resting} out"
-            check.refuse("model.static_friction", f"{where}.{resting}", what, why, fix)
+        if formula is not None:
+            domain(check, formula, f"{where}.{name}")
+    for resting, low, high in (
+        ("mu_static", friction.mu, friction.mu_static), ("static", friction.force, friction.static)
+    ):  # fmt: skip
+        if low is not None and high is not None:
+            _ORDERS[resting](check, difference(high, low), f"{where}.{resting}")
     if turns and friction.reads_reaction and not friction.is_none and friction.radius is None:
         check.refuse(
             "model.friction_radius", f"{where}.radius", "the radius of the bearing is missing",

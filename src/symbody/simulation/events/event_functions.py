@@ -19,7 +19,15 @@ from symbody.expr.sequences.dependencies import dependencies
 from symbody.expr.sequences.program import written_out
 from symbody.expr.sequences.sequence import Output
 from symbody.expr.sequences.sequence import Sequence as Operations
-from symbody.kernels.events.event_monitor import RECORDS, SETS, SHORTENS, STOPS, SWITCHES, EventMonitor
+from symbody.kernels.events.event_monitor import (
+    RECORDS,
+    SETS,
+    SHORTENS,
+    STOPS,
+    SWITCHES,
+    ZEROS_PER_EVENT,
+    EventMonitor,
+)
 from symbody.kernels.modes.mode_state import AT_LENGTH
 from symbody.kernels.record_layout import exists
 from symbody.simulation.events.events import Event, GapEvent, LevelEvent, ModeEnd
@@ -120,6 +128,15 @@ class EventFunctions:
                 np.asarray(numbers.inputs)[:] = inputs
         return block
 
+    def make_gap_block(self, span: float, rows: int) -> Floats:
+        """Return the block of a watch that looks at each step by itself, for gaps over which none may pass.
+
+        `rows` is how many the dense output of a step has, `span` what counts as long [s].
+        """
+        block = self.make_block(span)
+        watch_steps_alone(EventMonitor(block), span, rows)
+        return block
+
     @cached_property
     def _first_block(self) -> Floats:
         eqs, empty = self._problem.eqs, np.zeros(0)
@@ -162,6 +179,12 @@ class EventFunctions:
 
     def _numbers(self, function: CompiledFunction) -> Floats:
         return function_numbers(self._problem.numbers(function))
+
+
+def watch_steps_alone(monitor: EventMonitor, span: float, rows: int) -> None:
+    """Let a watch look at each step by itself, as `kernels.events.passed_gaps` does; see `make_gap_block`."""
+    monitor.direction, monitor.span, monitor.piece_rows = 1.0, span, rows
+    monitor.happened_room = ZEROS_PER_EVENT * monitor.event_count
 
 
 def watched_outputs(events: Sequence[Event]) -> tuple[OutputName, ...]:

@@ -200,6 +200,6 @@ def _kernels() -> tuple[Callable[..., int], Callable[..., int]]:
         "begin_impulses": [_POINTER] * 6,
         "advance_impulses": [*[_POINTER] * 14, integer],
     }
-    places = load_kernels("impulse_machine", tuple(kinds))
+    places = load_kernels("impulse_machine", tuple(kinds), features=())
     first, second = (ctypes.CFUNCTYPE(integer, *kinds[name])(places[name]) for name in kinds)
     return first, second

@@ -23,6 +23,7 @@ from symbody.simulation.native.runge_kutta import Tableau
 from symbody.single_flight import SingleFlight
 
 _METHODS: Final[SingleFlight[tuple[Tableau, int], Floats]] = SingleFlight(64)
+NO_GAPS: Final = np.zeros(0)
 _TEMPLATES: Final[SingleFlight[Hashable, Floats]] = SingleFlight(64)
 
 
@@ -34,14 +35,16 @@ def make_block(
     x: Floats,
     t: float,
     first_step: float = 0.0,
+    gaps: Floats = NO_GAPS,
 ) -> Floats:
     """Return the block of a motion at its first time [s] and state x = (u, q).
 
-    Blocks of one size differ in a few numbers, which are written into a copy of the first one.
+    Blocks of one size differ in a few numbers, which are written into a copy of the first one. `gaps` is the
+    array of an `EventMonitor` of the gaps over which no step may pass.
     """
     shape = x.size, rhs.n_u, _sizes(rhs), _sizes(projector), projector.n_q, projector.scales.size
-    key = tableau, goal.breaks.tobytes(), shape, projector.out_size
-    block = _TEMPLATES.get(key, lambda: _first_block(rhs, projector, tableau, goal.breaks, x)).copy()
+    key = tableau, goal.breaks.tobytes(), shape, projector.out_size, gaps.size
+    block = _TEMPLATES.get(key, lambda: _first_block(rhs, projector, tableau, goal.breaks, x, gaps)).copy()
     run = Run(block)
     run.time, run.t_end, run.first_step, run.cases.start = t, goal.t_end, first_step, t
     aim = run.goal
@@ -54,6 +57,8 @@ def make_block(
         projection.limit, projection.rounding = projector.limit, projector.rounding
         _write((projection.scales, projector.scales), (projection.sizes, projector.sizes))
         _write_numbers(projection.numbers, projector)
+    if gaps.size:
+        _write((np.asarray(run.gaps)[: gaps.size], gaps))
     return block
 
 
@@ -64,7 +69,7 @@ def _sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
 
 
 def _first_block(
-    rhs: RightHandSide, projector: Projector, tableau: Tableau, breaks: Floats, x: Floats
+    rhs: RightHandSide, projector: Projector, tableau: Tableau, breaks: Floats, x: Floats, gaps: Floats
 ) -> Floats:
     """Return the block of motions of these sizes."""
     n = x.size
@@ -74,6 +79,7 @@ def _first_block(
         method=method_numbers(tableau, n), state_old=x, tolerances=np.ones(n),
         slopes=np.zeros(len(tableau.A) * n), dense=np.zeros((4 + len(tableau.dense)) * n),
         numbers=function_numbers(rhs), projection=_projection(projector) if projector.address else None,
+        gaps=gaps if gaps.size else None,
     )  # fmt: skip
 
 

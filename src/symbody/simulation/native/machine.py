@@ -24,7 +24,7 @@ LOOP: Final = (
 
 _SIGNATURES: Final[Mapping[str, tuple[Any, list[Any]]]] = {
     "begin": (_INTEGER, [_POINTER, _POINTER, *_RECORD[:4]]),
-    "advance": (_INTEGER, [_POINTER, _POINTER, _POINTER, *_RECORD, _INTEGER]),
+    "advance": (_INTEGER, [*[_POINTER] * 4, *_RECORD, _INTEGER]),
     "advance_motion": (_INTEGER, [*[_POINTER] * len(LOOP), _INTEGER]),
     "break_off": (_INTEGER, [_POINTER] * 10),
     "begin_given": (_INTEGER, [_POINTER, *_RECORD[:4]]),
@@ -105,7 +105,7 @@ def given_steps() -> GivenSteps:
 def step_machine() -> StepMachine:
     """Return the integrator of one motion, ready to be called."""
     # All of LLVM's passes would take three times as long, and save 0 to 5 % of a small motion.
-    return StepMachine(*_functions("step_machine", *StepMachine._fields, light=True))
+    return StepMachine(*_functions("step_machine", *StepMachine._fields, light=True, features=()))
 
 
 @cache
@@ -117,7 +117,7 @@ def many_motions(features: frozenset[str]) -> Callable[..., int]:
 @once
 def lane_motions() -> Callable[..., int]:
     """Return `run_lanes`, ready to be called."""
-    return _functions("lane_motions", "run_lanes")[0]
+    return _functions("lane_motions", "run_lanes", features=())[0]
 
 
 def _functions(

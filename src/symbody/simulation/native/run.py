@@ -179,7 +179,7 @@ class NativeRun(NamedTuple):
         parts = [part for part in (watch, modes, self.held, self.jumps, self.implicit) if part is not None]
         if not parts:
             return step_machine().advance(
-                self.rhs, self.projector, address(self.block), *map(address, record.arrays), trials
+                self.rhs, self.projector, self.rhs, address(self.block), *map(address, record.arrays), trials
             )
         if watch is not None and self.held is not None:
             self.held.show_watch(watch.array)

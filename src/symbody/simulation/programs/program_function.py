@@ -24,7 +24,7 @@ from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, check_atol, 
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha, bounds_of_steps
 from symbody.simulation.methods.implicit.state_jacobian import STATE_JACOBIAN, with_state_jacobian
 from symbody.simulation.methods.integration import work_tolerance
-from symbody.simulation.native.blocks import function_numbers, make_block
+from symbody.simulation.native.blocks import NO_GAPS, function_numbers, make_block
 from symbody.simulation.native.description import Floats, Projector, RightHandSide
 from symbody.simulation.native.implicit import METHOD, ImplicitFunctions, make_array
 from symbody.simulation.native.runge_kutta import Tableau
@@ -160,14 +160,17 @@ def motion_functions(motion: PosedMotion) -> dict[str, ProgramFunction]:
 
 
 def motion_block(
-    motion: PosedMotion, functions: Mapping[str, ProgramFunction], eqs: EquationSet | None = None
-) -> Floats:
+    motion: PosedMotion, functions: Mapping[str, ProgramFunction], eqs: EquationSet | None = None,
+    gaps: Floats = NO_GAPS,
+) -> Floats:  # fmt: skip
     """Return the block of a motion at its first state, see `symbody.kernels.block`.
 
     Parameters
     ----------
     eqs : EquationSet, optional
         In which states are projected; by default those that are integrated.
+    gaps : array, optional
+        Of an `EventMonitor` of gaps over which no step may pass.
     """
     integration, method, start = motion.integration, motion.method, motion.span[0]
     atol = check_atol([*integration.tolerances, work_tolerance(integration)], motion.integration.x0.size)
@@ -185,6 +188,7 @@ def motion_block(
         motion.integration.x0,
         start,
         first or 0.0,
+        gaps,
     )
 
 

@@ -6,6 +6,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import cache
 from typing import Final, NamedTuple, Protocol
 
 import numpy as np
@@ -21,6 +22,7 @@ from symbody.equations.outputs.output_roots import OF_STEPS
 from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.kernels.block import Run
+from symbody.simulation.events.event_functions import EventFunctions, gap_events
 from symbody.simulation.events.events import Occurrence
 from symbody.simulation.inputs.breakpoints import Breakpoints
 from symbody.simulation.inputs.input_laws import CallbackFunction
@@ -28,19 +30,18 @@ from symbody.simulation.inputs.time_functions import function_of_time
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.motion import StateProjector
-from symbody.simulation.native.blocks import make_block
+from symbody.simulation.native.blocks import NO_GAPS, make_block
 from symbody.simulation.native.description import Projector, RightHandSide
 from symbody.simulation.native.run import VERDICTS, RawRun, Statistics
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.simulation.status import Status
 from symbody.simulation.stepper.numbers import StepNumbers
 from symbody.simulation.stepper.step_problem import WINDOW, StepProblem
-from symbody.single_flight import once
 
 Floats = NDArray[np.float64]
 
 _POINTER: Final = ctypes.c_void_p
-_STEP: Final = ctypes.CFUNCTYPE(ctypes.c_int64, *[_POINTER] * 4, ctypes.c_int64)
+_STEP: Final = ctypes.CFUNCTYPE(ctypes.c_int64, *[_POINTER] * 5, ctypes.c_int64)
 # Operations during which the interpreter's lock may be kept: about a millisecond.
 _LOCKED: Final = 1_000_000
 # Steps of the integrator between two looks at Ctrl-C.
@@ -63,16 +64,17 @@ class StepKernel(NamedTuple):
     unlocked: Callable[..., int]
 
 
-@once
-def step_kernel() -> StepKernel:
-    """Return the kernel, ready to be called."""
-    address = load_kernels("stepping", ("step",))["step"]
+@cache
+def step_kernel(features: frozenset[str]) -> StepKernel:
+    """Return the kernel for motions that have something, "GAPS" or nothing, ready to be called."""
+    address = load_kernels("stepping", ("step",), features=features)["step"]
     return StepKernel(address, _STEP(address))
 
 
-def bound_step(pointers: tuple[int, int, int, int], trials: int) -> Callable[[], int]:
+def bound_step(
+    kernel: StepKernel, pointers: tuple[int, int, int, int, int], trials: int
+) -> Callable[[], int]:
     """Return a function that tries so many steps of the integrator with numbers at these places."""
-    kernel = step_kernel()
     quick = kernel_call(kernel.address, pointers, trials)
 
     def call_slowly() -> int:
@@ -189,6 +191,7 @@ class CompiledSteps:
         laws = self.motion_problem.laws
         self._function: CompiledFunction = self.motion_problem.compile_outputs(OF_STEPS)
         self._closing = self._projection()
+        self._gaps = self._watched_gaps()
         self._laws = CallbackFunction(self._function, laws) if laws.need_python else None
         numbers.array[stepping.INPUTS] = 0.0 if laws.need_python else numbers.inputs.size
         numbers.array[stepping.DERIVED] = 0.0
@@ -261,6 +264,11 @@ class CompiledSteps:
             return None
         span = (numbers.t, numbers.t + settings.dt)
         return self._problem.integration(numbers.x, span, self.motion_problem).projection(projection)
+
+    def _watched_gaps(self) -> EventFunctions | None:
+        """Return what computes the gaps over which no step may pass; None without any."""
+        gaps = gap_events(self.motion_problem, self._problem.settings.method)
+        return EventFunctions(self.motion_problem, gaps, 0.0) if gaps else None
 
     def _way(self) -> Callable[[], int]:
         """Return the shortest way to take a step."""
@@ -336,7 +344,11 @@ class CompiledSteps:
         )
         goal = goal._replace(max_trials=settings.max_steps)
         first = 0.0 if method.first_step is None else float(method.first_step)
-        return make_block(rhs, self._projector, method.tableau, goal, numbers.x, numbers.t, first)
+        gaps = NO_GAPS
+        if self._gaps is not None:
+            rows = 4 + len(method.tableau.dense)
+            gaps = self._gaps.make_gap_block(self._problem.settings.dt, rows)
+        return make_block(rhs, self._projector, method.tableau, goal, numbers.x, numbers.t, first, gaps)
 
     @property
     def right_hand_side(self) -> RightHandSide:
@@ -351,6 +363,21 @@ class CompiledSteps:
     def lane_function(self) -> NativeFunction:
         """The same function for many motions side by side."""
         return self._function.in_lanes()
+
+    @property
+    def features(self) -> frozenset[str]:
+        """What steps have, see `symbody.kernels.features`."""
+        return frozenset() if self._gaps is None else frozenset(("GAPS",))
+
+    @property
+    def gap_function(self) -> int:
+        """The address of what computes gaps; that of any function where there are none."""
+        return self._right_hand_side if self._gaps is None else self._gaps.addresses[0]
+
+    @property
+    def code(self) -> tuple[int, ...]:
+        """The addresses of all functions: what steps side by side have in common."""
+        return self._right_hand_side, self.projects_by, self.gap_function
 
     @property
     def projects_by(self) -> int:
@@ -425,18 +452,18 @@ class CompiledSteps:
         return projector
 
     @property
-    def _pointers(self) -> tuple[int, int, int, int]:
-        numbers = self._numbers.array
-        return self._right_hand_side, self._projector.address, address(self._block), address(numbers)
+    def _pointers(self) -> tuple[int, int, int, int, int]:
+        functions = self._right_hand_side, self._projector.address, self.gap_function
+        return *functions, address(self._block), address(self._numbers.array)
 
     def _bind(self) -> Callable[[], int]:
         stages = Run(self._block).method.stages
         trials = max(1, _LOCKED // (stages * max(1, self._function.operations)))
-        return bound_step(self._pointers, trials)
+        return bound_step(step_kernel(self.features), self._pointers, trials)
 
     def _run_unlocked(self) -> int:
         """Go on with a long step, in slices between which Python sees Ctrl-C and other threads run."""
-        return step_kernel().unlocked(*self._pointers, _SLICE)
+        return step_kernel(self.features).unlocked(*self._pointers, _SLICE)
 
     def _raw(self, status: Status) -> RawRun:
         """Return the step as a run that ended early."""

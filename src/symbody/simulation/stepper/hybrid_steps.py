@@ -16,7 +16,7 @@ from symbody.kernels import block as at
 from symbody.kernels import stepping
 from symbody.kernels.block import Run
 from symbody.kernels.record_layout import exists
-from symbody.simulation.events.event_functions import EventFunctions
+from symbody.simulation.events.event_functions import EventFunctions, gap_events
 from symbody.simulation.events.event_watch import EventWatch
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.hybrid.passed_jumps import PassedJumps
@@ -91,10 +91,14 @@ class HybridSteps(CompiledSteps):
         self._ending = ""
         self._dead_end: Ending | None = None
 
+    def _watched_gaps(self) -> None:
+        """Return None: gaps are watched beside events."""
+
     def _event_functions(self) -> EventFunctions | None:
         """Return what watches events and the ends of modes; None without any."""
         settings = self._problem.settings
-        watched = (*settings.events, *(() if self._modes is None else self._modes.ends))
+        ends = () if self._modes is None else self._modes.ends
+        watched = (*settings.events, *gap_events(self.motion_problem, settings.method), *ends)
         if not watched:
             return None
         constraints = settings.constraints

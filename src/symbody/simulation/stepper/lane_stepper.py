@@ -320,13 +320,18 @@ class LaneStepper(OwnCopies):
         """Put the blocks of lanes that have new ones beside those of the others."""
         self._has_all_inputs = False
         compiled = [steps for lane in self._lanes if (steps := _loop_steps(lane)) is not None]
-        if len(compiled) < len(self._lanes) or not self._x.shape[1]:
+        codes = {steps.code for steps in compiled}  # what is exactly 0 in some lanes stands in their code
+        if len(compiled) < len(self._lanes) or not self._x.shape[1] or len(codes) > 1:
             self._blocks = None
             for lane in self._lanes:
                 lane.take_block()
             return
         blocks = self._blocks
-        if blocks is None or not all([blocks.take(place, compiled[place]) for place in places]):
+        if (
+            blocks is None
+            or blocks.code not in codes
+            or not all([blocks.take(place, compiled[place]) for place in places])
+        ):
             self._blocks = LaneBlocks(compiled, self._rows, self._lanes[0].settings.method.tableau)
         for lane in self._lanes:
             lane.take_block()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,6 @@ from symbody.kernels.lanes.lane_block import LaneGroup
 from symbody.simulation.native.lane_blocks import aligned_zeros, make_lane_block
 from symbody.simulation.native.runge_kutta import Tableau
 from symbody.simulation.stepper.compiled_steps import CompiledSteps
-from symbody.single_flight import once
 
 Floats = NDArray[np.float64]
 
@@ -29,11 +29,11 @@ _SLICE: Final = 1000
 _VECTORS: Final = ("state_old", "stage", "state_new", "error_1", "error_2", "tolerances")
 
 
-@once
-def step_all() -> Callable[..., int]:
-    """Return the kernel that steps all lanes, ready to be called."""
-    kind = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 4, _INTEGER, _POINTER, *[_INTEGER] * 4)
-    return kind(load_kernels("lane_stepping", ("step_all",), light=True)["step_all"])
+@cache
+def step_all(features: frozenset[str]) -> Callable[..., int]:
+    """Return the kernel that steps all lanes, ready to be called; `features` as for `step_kernel`."""
+    kind = ctypes.CFUNCTYPE(_INTEGER, *[_POINTER] * 5, _INTEGER, _POINTER, *[_INTEGER] * 4)
+    return kind(load_kernels("lane_stepping", ("step_all",), light=True, features=features)["step_all"])
 
 
 class LaneBlocks:
@@ -47,6 +47,11 @@ class LaneBlocks:
         The numbers of the lanes, which steps renew.
     tableau : Tableau
         The method.
+
+    Attributes
+    ----------
+    code : tuple of int
+        Where the functions of all lanes lie.
     """
 
     def __init__(self, steps: Sequence[CompiledSteps], rows: Floats, tableau: Tableau) -> None:
@@ -60,12 +65,12 @@ class LaneBlocks:
         begin, size = int(pattern[LaneGroup.layout["runs"]]), LaneGroup(pattern).run_size
         self._own = self._all[:, begin:].reshape(groups, width, size)
         self._width, self._size = width, size
-        self._functions = first  # keeps the compiled code alive
+        self._functions, self.code = first, first.code  # keeps the compiled code alive
         self._under_way = False
-        self._kernel = step_all()
+        self._kernel = step_all(first.features)
         self._arguments = (
-            first.right_hand_side.address, wide.address, first.projects_by, address(self._all), pattern.size,
-            address(rows), rows.shape[1], self._count,
+            first.right_hand_side.address, wide.address, first.projects_by, first.gap_function,
+            address(self._all), pattern.size, address(rows), rows.shape[1], self._count,
         )  # fmt: skip
         for lane in range(groups * width):  # lanes without a motion compute what the first one does
             self._fill(lane, steps[lane if lane < self._count else 0].block)

@@ -32,12 +32,11 @@ from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import CompileError, SymbodyError
 from symbody.expr.language.formula import Formula
+from symbody.model.checks.physics import check_element
 from symbody.model.declarations.arguments import plain_value
 from symbody.model.model import Model, value_problems
 from symbody.model.numbers import as_float
-from symbody.model.numeric_checks import Demand
-from symbody.model.signals.block import SignalBlock
-from symbody.model.signals.signal import Signal
+from symbody.model.numeric_checks import Demand, DemandList, Domain
 from symbody.simulation.inputs.held_law import held_later
 from symbody.simulation.sweeps.case_table import CaseTable
 
@@ -119,25 +118,20 @@ def _states_of_tree(
 
 
 def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
-    """Return the cases in which masses, inertias or arguments of blocks are none, and why."""
+    """Return the cases in which values are none that elements can have, and why."""
     model = eqs.model
     if not isinstance(model, Model) or not table.parameter_names:
         return {}
     formulas: dict[str, Formula] = {}
     for k, body in enumerate(model.bodies):
-        for name, own in (("mass", (body.mass,)), ("inertia", body.inertia), ("products", body.products)):
+        for name, own in (("inertia", body.inertia), ("products", body.products)):
             formulas |= {f"{name} {k} {i}": formula for i, formula in enumerate(own)}
-    armatures = [formula for joint in model.joints for formula in joint.armature.values()]
-    formulas |= {f"armature {k}": formula for k, formula in enumerate(armatures)}
-    demands = _block_demands(model)
+    demands = _demands(model)
     formulas |= {f"demand {k}": demand.formula for k, demand in enumerate(demands)}
     values = case_values(eqs, table, formulas)
     doubtful = np.zeros(table.count, dtype=np.bool_)
     for k, demand in enumerate(demands):
-        doubtful |= np.array([not demand.domain.has(value) for value in values[f"demand {k}"].tolist()])
-    for name, column in values.items():
-        if name.startswith(("mass", "armature")):
-            doubtful |= column < 0.0
+        doubtful |= _are_outside(demand.domain, values[f"demand {k}"])
     for k in range(len(model.bodies)):
         three = [[values[f"{name} {k} {i}"] for i in range(3)] for name in ("inertia", "products")]
         doubtful |= _is_doubtful(np.array(three[0]), np.array(three[1]))
@@ -149,12 +143,20 @@ def impossible_cases(eqs: EquationSet, table: CaseTable) -> dict[int, str]:
     return notes
 
 
-def _block_demands(model: Model) -> list[Demand]:
-    """Return what signals and blocks demand of formulas of parameters."""
-    known = {"pi", *model.parameters}
-    blocks = [element for element in model.elements if isinstance(element, Signal | SignalBlock)]
-    every = [demand for block in blocks for demand in block.demands()]
-    return [one for one in every if one.formula.names and known.issuperset(one.formula.names)]
+def _demands(model: Model) -> list[Demand]:
+    """Return what elements demand of formulas of parameters."""
+    known, found = {"pi", *model.parameters}, DemandList()
+    for element in model.elements:
+        check_element(found, element, "")
+    return [one for one in found.demands if one.formula.names and known.issuperset(one.formula.names)]
+
+
+def _are_outside(domain: Domain, values: Floats) -> NDArray[np.bool_]:
+    """Return which of some numbers are none of a domain."""
+    inside = np.isfinite(values) & (values >= domain.least) & (values <= domain.most)
+    if domain.above:
+        inside &= values != domain.least
+    return ~(inside & (values != 0.0) if domain.nonzero else inside)
 
 
 def _is_doubtful(moments: Floats, products: Floats) -> NDArray[np.bool_]:
