@@ -176,3 +176,40 @@ def test_many_elements_are_found_by_the_search() -> None:
         wanted = scipy.optimize.lsq_linear(root, target, (-1.0, 1.0), tol=1e-14, method="bvls").x
         assert found.verdict is ModeVerdict.ONE
         assert found.efforts == pytest.approx(wanted, abs=1e-8)
+
+
+def sliding_box(mu: float, order: tuple[int, ...]) -> tuple[list[ModeCandidate], Responses]:
+    """A box of 2 kg, 0.4 m by 0.3 m and 0.6 m high, that slides and spins on its lower corners, in some order."""
+    edges, mass, g = np.array([0.4, 0.3, 0.6]), 2.0, 9.81
+    inertia = mass / 12 * (np.sum(edges**2) - edges**2)
+    corners = np.array([[1, 1, -1], [1, -1, -1], [-1, 1, -1], [-1, -1, -1]])[list(order)] * edges / 2
+    slips = np.array([1.2, 1.2, 0]) + np.cross([0, 0, 0.25], corners)
+    along = [[*slip[:2] / np.linalg.norm(slip[:2]), 0] for slip in slips]
+    rows = np.array([
+        *([*axis, *np.cross(corner, axis)] for corner in corners for axis in np.eye(3)[:2]),
+        *([0, 0, 1, *np.cross(corner, [0, 0, 1])] for corner in corners),
+    ])  # fmt: skip
+    elements = [
+        ModeCandidate(CONE, normals=1, sliding=mu, static=mu, moves=True, mode=LOOSE, slip=(x, y))
+        for x, y, _ in along
+    ]
+    elements += [ModeCandidate(UNILATERAL)] * 4
+    reactions = np.hstack([np.zeros((4, 8)), np.eye(4)])
+    inverse = np.diag([*[1 / mass] * 3, *1 / inertia])
+    return elements, Responses(-g * rows[:, 2], rows @ inverse @ rows.T, np.zeros(4), reactions)
+
+
+def test_friction_in_corners_follows_shares_of_least_norm() -> None:
+    """Any corner could bear less and its neighbors more; one that would bear less than nothing opens."""
+    by_corner: dict[float, list[tuple[float, ...]]] = {0.2: [], 0.6: []}
+    for mu, found in by_corner.items():
+        for order in permutations(range(4)):
+            solution = decide(*sliding_box(mu, order))
+            assert solution.verdict is ModeVerdict.ONE
+            assert solution.normals[:4].sum() == pytest.approx(2 * 9.81, rel=1e-12)
+            assert solution.accelerations[8:] == pytest.approx(0, abs=1e-10)
+            found.append(tuple(solution.normals[order.index(k)] for k in range(4)))
+        assert np.ptp(found, axis=0) == pytest.approx(0, abs=1e-9)
+    (a, b, c, d), (bears, *others) = by_corner[0.2][0], sorted(by_corner[0.6][0])
+    assert min(a, b, c, d) > 0 and a + d == pytest.approx(b + c, rel=1e-12)
+    assert bears == 0 and min(others) > 0
