@@ -33,7 +33,7 @@ _PRINT: Final = 1.5  # points: of a footprint
 _SPACING: Final = (
     0.025  # of the scene's size: points of contact that are nearer to the last print make no other
 )
-_FADES: Final = 0.4  # of the motion's length, until a footprint has gone
+FADES: Final = 0.4  # of the motion's length, until a footprint has gone in a film
 _SHORT: Final = 0.12  # shares of an axis below this are seen as a point
 
 _HEAD: Final = 4.6  # lengths of a head, in widths of its line
@@ -126,10 +126,16 @@ def color_of(vector: MotionVector) -> str:
 
 
 def footprint_marks(
-    camera: Camera, motion: SceneMotion, time: float, size: float, paper: Paper
+    camera: Camera, motion: SceneMotion, time: float, size: float, paper: Paper, share: float
 ) -> list[Mark]:
-    """Return where contacts have touched up to a time: dots, the fainter the older they are."""
-    lasts = _FADES * float(motion.times[-1] - motion.times[0])
+    """Return where contacts have touched up to a time: dots, the fainter the older they are.
+
+    Parameters
+    ----------
+    share : float
+        Of the motion's length, after which they have gone.
+    """
+    lasts = share * float(motion.times[-1] - motion.times[0])
     marks: list[Mark] = []
     for vector in motion.vectors:
         if vector.places is None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.visual.film.annotations import (
+    FADES,
     corner_marks,
     footprint_marks,
     frame_marks,
@@ -82,6 +83,8 @@ class Studio:
     ----------
     stage, motion, look, paper, backdrop
         What is drawn, when, and how.
+    track : SceneMotion
+        The same motion at other times, along which there are footprints.
     size : float
         By which arrows and footprints are drawn: that of the scene, or more where the picture shows more [m].
     scales : mapping
@@ -102,6 +105,7 @@ class Studio:
 
     stage: Stage
     motion: SceneMotion
+    track: SceneMotion
     look: Look
     paper: Paper
     backdrop: Backdrop
@@ -136,7 +140,8 @@ class Studio:
             last = int(np.searchsorted(self.trace_times, until, side="right"))
         marks: list[Mark] = [*strokes, *trace_marks(camera, self.traces, self.trace_colors, last)]
         latest = float(self.motion.times[samples[-1]])
-        marks += footprint_marks(camera, self.motion, latest, self.size, self.paper)
+        share = 1.0 if until is None else FADES  # a picture shows where all of its times have come from
+        marks += footprint_marks(camera, self.track, latest, self.size, self.paper, share)
         if self.look.frames:
             marks += frame_marks(scene, camera, poses[-1])
         for k, pose in zip(samples, poses, strict=True):
@@ -194,7 +199,7 @@ def make_studio(
     tone_width : float
         Of tones on curved surfaces [samples]; 0: they are smooth, which files of regions cannot say.
     track : SceneMotion, optional
-        The same motion at other times, for traces.
+        The same motion at other times, for traces and footprints.
     follows : bool
         Whether the camera follows what goes far; a picture of several times shows all of them.
 
@@ -226,6 +231,7 @@ def make_studio(
     return Studio(
         stage,
         motion,
+        track,
         look,
         paper,
         backdrop,

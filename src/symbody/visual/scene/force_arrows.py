@@ -14,6 +14,7 @@ from symbody.model.constraints import Rolling
 from symbody.model.contacts.contact import Contact
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
+from symbody.model.joints.orientation import Free
 from symbody.model.loads.forces import Force, SpringDamper, Torque
 from symbody.model.model import Model
 from symbody.visual.scene.body_poses import Floats
@@ -129,7 +130,8 @@ def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
     fixed = [part for part in model.constraints if isinstance(part, FrameConstraint)]
     links: list[Joint | FrameConstraint] = [*model.joints, *fixed]
     for link in links:
-        if not isinstance(link, Rolling):  # its point of contact is fixed on no body
+        # a point of rolling is fixed on no body, and a free joint holds nothing
+        if not isinstance(link, Rolling | Free):
             arrows += _reactions(link.name, link.start, anchors.anchor_at(link.end))
     return arrows
 
