@@ -154,7 +154,9 @@ class _Anchors:
 
 def _applied_arrow(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
     components = [f"({formula.text})" for formula in element.vector]
-    return Arrow(f"{kind} {element.name}", kind, anchor, _rotated(_axes(element.resolved_in), components))
+    return Arrow(
+        f"{kind} {element.name}", kind, anchor, _turn_to_ground(_axes(element.resolved_in), components)
+    )
 
 
 def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
@@ -170,15 +172,17 @@ def _contact_arrow(contact: Contact, anchor: Anchor) -> Arrow:
     force = [f"'contact_force \"{contact.name}\" {x}'" for x in "xyz"]
     point = [f"'contact_point \"{contact.name}\" {x}'" for x in "xyz"]
     origin = [f"'frame r \"{contact.start.full_name}\" {x}'" for x in "xyz"]
-    turned = _rotated(_axes(contact.start), point)
+    turned = _turn_to_ground(_axes(contact.start), point)
     x, y, z = (f"{start} + {each}" for start, each in zip(origin, turned, strict=True))
-    values = _rotated(f'frame R "{contact.name}"', force)
+    values = _turn_to_ground(f'frame R "{contact.name}"', force)
     return Arrow(f"contact {contact.name}", "force", anchor, values, (x, y, z), contact.is_rigid)
 
 
 def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:
     axes = _axes(start)
-    force, torque = (_rotated(axes, [f"'reaction \"{name}\" {letter}{x}'" for x in "xyz"]) for letter in "FM")
+    force, torque = (
+        _turn_to_ground(axes, [f"'reaction \"{name}\" {letter}{x}'" for x in "xyz"]) for letter in "FM"
+    )
     return [
         Arrow(f"reaction {name}", "force", anchor, force, is_modal=True),
         Arrow(f"reaction {name}", "torque", anchor, torque, is_modal=True),
@@ -189,7 +193,7 @@ def _axes(address: FrameRef) -> str:
     return f'frame R "{address.full_name}"'
 
 
-def _rotated(matrix: str, components: Sequence[str]) -> Triple:
+def _turn_to_ground(matrix: str, components: Sequence[str]) -> Triple:
     """Return components in ground's axes, from those in axes whose rotation matrix is an output."""
     x, y, z = (
         " + ".join(f"'{matrix} {row}{column}'*{each}" for column, each in zip("xyz", components, strict=True))

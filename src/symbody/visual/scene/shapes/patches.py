@@ -143,8 +143,9 @@ def _patch(
     Of a planar mechanism, whose `normal` is given, a plane that is seen along itself is a narrow strip: the
     near part of a square would cover the feet of what stands on it.
     """
-    is_strip = normal is not None and abs(float(normal @ where.axes[:, 2])) < PARALLEL
-    if is_strip:
+    strip = 0.0
+    if normal is not None and abs(float(normal @ where.axes[:, 2])) < PARALLEL:
+        strip = min(side, _STRIP * basis.size)
         z_axis = where.axes[:, 2]
         along = np.cross(normal, z_axis)
         where = RigidTransform(where.at, np.column_stack([along, np.cross(z_axis, along), z_axis]))
@@ -155,8 +156,7 @@ def _patch(
     x, y = 0.5 * (low + high)
     centre = shift_frame(where, float(x), float(y), -0.5 * thickness)
     color = GROUND_COLOR if body == GROUND else ""
-    width = min(side, _STRIP * basis.size) if is_strip else side
-    return fixed_shape(body, element, "box", (side, width, thickness), centre, color, GLASS)
+    return fixed_shape(body, element, "box", (side, strip or side, thickness), centre, color, GLASS)
 
 
 def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:
