@@ -60,7 +60,7 @@ describe("what a live page adds to its simulation", () => {
       computePose: () => ({ positions: Float64Array.from([1, 2, 3, 4, 5, 6]), axes: Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1, 7, 8, 9, 0, 0, 0, 0, 0, 0]) }),
     } as unknown as Simulation; // prettier-ignore
     expect(stateOf(simulation, 1)).toEqual({ positions: [1, 2, 3], quaternions: [1, 0, 0, 0], vectors: [7, 8, 9], places: [4, 5, 6], time: 0.5 });
-    const vector = { name: "contact heel", kind: "force" as const, anchor: { body: 1, at: [0, 0, 0] as const }, values: new Float32Array(3), places: new Float32Array(3) };
+    const vector = { name: "contact heel", kind: "force" as const, anchor: { body: 1, at: [0, 0, 0] as const }, values: new Float32Array(3), places: new Float32Array(3), prints: true };
     const { vectors } = previewOf(simulation, 1, [vector]);
     expect(Array.from(vectors[0]!.values)).toEqual([7, 8, 9]);
     expect(Array.from(vectors[0]!.places!)).toEqual([4, 5, 6]);

@@ -27,7 +27,7 @@ describe("arrows", () => {
   it("takes the scale of contacts from what they bear, not from the peak of an impact or from flight", () => {
     const times = Array.from({ length: 101 }, (_, k) => k / 100);
     const sizes = times.map((t) => (t < 0.5 ? 0 : t < 0.505 ? 900 : 10));
-    const foot = { name: "contact foot", kind: "force", anchor: { body: 1, at: [0, 0, 0] }, values: Float32Array.from(sizes.flatMap((z) => [0, 0, z])), places: new Float32Array(303) } as MotionVector;
+    const foot = { name: "contact foot", kind: "force", anchor: { body: 1, at: [0, 0, 0] }, values: Float32Array.from(sizes.flatMap((z) => [0, 0, z])), places: new Float32Array(303), prints: true } as MotionVector;
     expect(usualMagnitude([foot], "force", times)).toBe(10);
     expect(usualMagnitude([foot], "torque", times)).toBe(0);
   });
@@ -57,6 +57,7 @@ describe("footprints", () => {
       name: "contact foot", kind: "force", anchor: { body: 1, at: [0, 0, 0] },
       values: Float32Array.from(times.flatMap((t) => [0, 0, t > 1 && t < 2 ? 0 : 5])),
       places: Float32Array.from(times.flatMap((t) => [t <= 1 ? 0 : t - 1, 0, 0])),
+      prints: true,
     }],
   }; // prettier-ignore
   const pair = { ...scene, size: 2, bodies: scene.bodies.slice(0, 2) };

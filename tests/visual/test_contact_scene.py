@@ -76,7 +76,7 @@ def foot(*sizes: float) -> tuple[Scene, SceneMotion]:
     count = len(sizes)
     values, places = np.zeros((count, 3)), np.zeros((count, 3))
     values[:, 2], places[:, 0] = sizes, np.arange(count)
-    vector = MotionVector("contact foot", "force", Anchor(1, (0.0, 0.0, 0.0)), values, places)
+    vector = MotionVector("contact foot", "force", Anchor(1, (0.0, 0.0, 0.0)), values, places, True)
     poses = np.zeros((count, 1, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (count, 1, 1))
     return scene, SceneMotion(np.arange(count, dtype=float), *poses, (), (vector,))
 

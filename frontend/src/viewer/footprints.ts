@@ -1,7 +1,6 @@
 /** Where contacts have touched: dots along their points, which fade with their age. */
 
 import { Color, InstancedMesh, Matrix4, MeshBasicMaterial, SphereGeometry } from "three";
-import { vectorGroup } from "./arrows";
 import type { Instant, Layer } from "./layer";
 import { FADED, VECTOR_COLORS } from "./palette";
 import type { GeometryStore } from "./solids";
@@ -35,7 +34,7 @@ export class Footprints implements Layer {
     store: GeometryStore,
     private readonly size: number,
   ) {
-    const touching = source.vectors.flatMap((each, index) => (each.places !== null && vectorGroup(each) === "contact" ? [index] : []));
+    const touching = source.vectors.flatMap((each, index) => (each.places !== null && each.prints ? [index] : []));
     this.trails = touching.map((index) => ({ index, history: [], read: 0, touched: false, dots: [] }));
     this.object = new InstancedMesh(store.made("print", () => new SphereGeometry(1, 12, 8)), new MeshBasicMaterial(), this.trails.length === 0 ? 0 : MOST);
     this.object.frustumCulled = false;

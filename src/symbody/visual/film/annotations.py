@@ -138,7 +138,7 @@ def footprint_marks(
     lasts = share * float(motion.times[-1] - motion.times[0])
     marks: list[Mark] = []
     for vector in motion.vectors:
-        if vector.places is None:
+        if not vector.prints or vector.places is None:
             continue
         for k in _prints(vector, size):
             age = (time - float(motion.times[k])) / lasts if lasts > 0.0 else 0.0

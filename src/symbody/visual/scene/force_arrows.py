@@ -17,6 +17,7 @@ from symbody.model.joint import Joint
 from symbody.model.joints.orientation import Free
 from symbody.model.loads.forces import Force, SpringDamper, Torque
 from symbody.model.model import Model
+from symbody.model.naming import GROUND
 from symbody.visual.scene.body_poses import Floats
 from symbody.visual.scene.scene import Anchor, MotionVector, Scene, VectorKind
 
@@ -42,6 +43,8 @@ class Arrow:
         Outputs: its components in ground's axes.
     places : (str, str, str), optional
         Outputs: where it acts, in ground's axes, of a force that is fixed on no body.
+    prints : bool
+        As in `MotionVector`.
     is_modal : bool
         Whether it depends on which contacts are closed and which joints stick, where that may change.
     """
@@ -51,6 +54,7 @@ class Arrow:
     anchor: Anchor
     values: Triple
     places: Triple | None = None
+    prints: bool = False
     is_modal: bool = False
 
     @property
@@ -110,6 +114,7 @@ def vectors_of(
             arrow.anchor,
             array,
             None if arrow.places is None else _columns(arrow.places, outputs),
+            arrow.prints,
         )
         for arrow, array, large in zip(arrows, values, sizes, strict=True)
         if large > least
@@ -175,7 +180,9 @@ def _contact_arrow(contact: Contact, anchor: Anchor) -> Arrow:
     turned = _turn_to_ground(_axes(contact.start), point)
     x, y, z = (f"{start} + {each}" for start, each in zip(origin, turned, strict=True))
     values = _turn_to_ground(f'frame R "{contact.name}"', force)
-    return Arrow(f"contact {contact.name}", "force", anchor, values, (x, y, z), contact.is_rigid)
+    prints = GROUND in (contact.start.body, contact.end.body)
+    name = f"contact {contact.name}"
+    return Arrow(name, "force", anchor, values, (x, y, z), prints, contact.is_rigid)
 
 
 def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:

@@ -301,7 +301,8 @@ def _with_arrows(
 def _arrow_to_come(arrow: Arrow) -> MotionVector:
     """Return an arrow whose values the page computes."""
     nothing = np.zeros((1, 3))
-    return MotionVector(arrow.name, arrow.kind, arrow.anchor, nothing, nothing if arrow.places else None)
+    places = nothing if arrow.places else None
+    return MotionVector(arrow.name, arrow.kind, arrow.anchor, nothing, places, arrow.prints)
 
 
 def _spring(scene: Scene) -> tuple[float, float]:
