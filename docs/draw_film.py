@@ -1,4 +1,4 @@
-"""Draw a four-bar and a top by save_animation: `python docs/draw_film.py` writes docs/pictures/film_*.svg."""
+"""Draw mechanisms by save_animation: `python docs/draw_film.py` writes film_*.svg and footprints*.png."""
 
 from __future__ import annotations
 
@@ -37,10 +37,29 @@ def four_bar() -> sb.Model:
     )
 
 
+def hopper() -> sb.Trajectory:
+    """Return a springy leg with a foot that is thrown forward and hops twice."""
+    foot = sb.Body("Foot", mass=0.8, inertia=(0.01,) * 3, shapes=[sb.Sphere(0.05, color="dimgray")])
+    trunk = sb.Body("Trunk", mass=8, inertia=(0.2,) * 3, shapes=[sb.Box((0.3, 0.16, 0.14), color="orange")])
+    floor = sb.Contact(
+        "foot", "ground", foot, ["plane", {"sphere": 0.05}], normal="rigid", friction=sb.Friction(mu=0.02)
+    )
+    leg = sb.Drive(stiffness=2500, free=0.6, damping=2)
+    parts = [
+        sb.Cartesian("move", "ground", foot, coordinates=["x", "y", "z"]),
+        sb.Prismatic("leg", foot, trunk, axis="z", coordinate="s", force=leg),
+        floor,
+    ]
+    model = sb.Model("hopper", [foot, trunk, *parts], gravity=(0, 0, -9.81))
+    start = {"z": 0.35, "s": 0.6, "x_dot": 0.8}
+    return sb.simulate(sb.form_equations(model), 2.6, start)
+
+
 def main() -> None:
-    """Write both pictures, for light and for dark pages."""
+    """Write the pictures, for light and for dark pages."""
     run = sb.simulate(sb.form_equations(four_bar()), 1.0)
     size = (560, 330)
+    hops = hopper()
     top = sb.simulate(sb.form_equations(sb.load_model(TOP)), 1.5)
     for dark, end in ((False, ""), (True, "_dark")):
         sb.save_animation(
@@ -50,6 +69,16 @@ def main() -> None:
             traces=["Coupler.P"],
             labels=True,
             size=size,
+            dark=dark,
+        )
+        sb.save_animation(
+            hops,
+            PICTURES / f"footprints{end}.png",
+            times=(0.0, 0.33, 0.7, 1.3, 1.62),
+            vectors=["foot"],
+            view=(0.2, -1.0, 0.3),
+            size=(820, 400),
+            ghosts=0.3,
             dark=dark,
         )
         sb.save_animation(

@@ -32,7 +32,7 @@ def main():
     print(f"{words.name}: {difference:.1e} from the closed form, {entry['TOLERANCE']:g} allowed")
     shown = sb.form_equations(entry["model"]()) if words.live else run
     view = entry["LOOK"].get("view", "auto")
-    view = view if isinstance(view, str) else "isometric"
+    view = view if isinstance(view, str) else "auto"
     drawn = {"traces": entry["LOOK"].get("traces", ()), "vectors": entry["LOOK"].get("vectors")}
     sb.animate(shown, page, live=words.live, view=view, **drawn)
     print(page.resolve())

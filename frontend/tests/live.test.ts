@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { previewOf, quaternionsOf, readLive, sceneFor, type Simulation } from "../src/live/simulation";
+import { previewOf, quaternionsOf, readLive, sceneFor, stateOf, type Simulation } from "../src/live/simulation";
 
 describe("what a live page adds to its simulation", () => {
   it("turns rotation matrices into unit quaternions, whatever the angle", () => {
@@ -49,8 +49,20 @@ describe("what a live page adds to its simulation", () => {
       advanceTo: (target: number) => { time = target; return true; },
       computePose: () => ({ positions: new Float64Array(3), axes: Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1]) }),
     } as unknown as Simulation;
-    const motion = previewOf(simulation);
+    const motion = previewOf(simulation, 1, []);
     expect(motion.times.length).toBeLessThan(20);
     expect(motion.quaternions.length).toBe(4 * motion.times.length);
+  });
+
+  it("takes what follows the bodies as arrows: a place, and components in the first row of axes", () => {
+    const simulation = {
+      time: 0.5, numbers: { startTime: 0, codes: { RUNNING: 0 } }, code: 4, advanceTo: () => true,
+      computePose: () => ({ positions: Float64Array.from([1, 2, 3, 4, 5, 6]), axes: Float64Array.from([1, 0, 0, 0, 1, 0, 0, 0, 1, 7, 8, 9, 0, 0, 0, 0, 0, 0]) }),
+    } as unknown as Simulation; // prettier-ignore
+    expect(stateOf(simulation, 1)).toEqual({ positions: [1, 2, 3], quaternions: [1, 0, 0, 0], vectors: [7, 8, 9], places: [4, 5, 6], time: 0.5 });
+    const vector = { name: "contact heel", kind: "force" as const, anchor: { body: 1, at: [0, 0, 0] as const }, values: new Float32Array(3), places: new Float32Array(3), prints: true };
+    const { vectors } = previewOf(simulation, 1, [vector]);
+    expect(Array.from(vectors[0]!.values)).toEqual([7, 8, 9]);
+    expect(Array.from(vectors[0]!.places!)).toEqual([4, 5, 6]);
   });
 });

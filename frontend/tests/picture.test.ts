@@ -1,9 +1,10 @@
 import { Matrix4, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
-import { vectorGroup } from "../src/viewer";
-import { arrowScale, formatQuantity, largestMagnitude, roundDown } from "../src/viewer/arrow_scale";
+import { LiveSource, StoredMotion, vectorGroup, type Motion, type MotionVector } from "../src/viewer";
+import { arrowScale, formatQuantity, roundDown, usualMagnitude } from "../src/viewer/arrow_scale";
 import { viewDirection } from "../src/viewer/camera_rig";
 import { Connectors } from "../src/viewer/connectors";
+import { Footprints } from "../src/viewer/footprints";
 import { spanMatrix, type Counts } from "../src/viewer/layer";
 import type { Scene, Solid } from "../src/viewer/contract";
 import type { Pose, StateSource } from "../src/viewer/source";
@@ -16,11 +17,19 @@ import { fixture } from "./fixture";
 const { scene, source } = fixture("four_bar");
 
 describe("arrows", () => {
-  it("gives the largest arrow a part of the scene's size", () => {
-    const largest = largestMagnitude(source.vectors, "force");
-    expect(largest).toBeGreaterThan(30);
-    expect(arrowScale(largest, 2) * largest).toBeCloseTo(0.9, 12);
+  it("gives the usual arrow a part of the scene's size", () => {
+    const usual = usualMagnitude(source.vectors, "force", source.times);
+    expect(usual).toBeGreaterThan(25);
+    expect(arrowScale(usual, 2) * usual).toBeCloseTo(0.7, 12);
     expect(arrowScale(0, 2)).toBe(0);
+  });
+
+  it("takes the scale of contacts from what they bear, not from the peak of an impact or from flight", () => {
+    const times = Array.from({ length: 101 }, (_, k) => k / 100);
+    const sizes = times.map((t) => (t < 0.5 ? 0 : t < 0.505 ? 900 : 10));
+    const foot = { name: "contact foot", kind: "force", anchor: { body: 1, at: [0, 0, 0] }, values: Float32Array.from(sizes.flatMap((z) => [0, 0, z])), places: new Float32Array(303), prints: true } as MotionVector;
+    expect(usualMagnitude([foot], "force", times)).toBe(10);
+    expect(usualMagnitude([foot], "torque", times)).toBe(0);
   });
 
   it.each([[1, 1], [9.99, 5], [0.0021, 0.002], [450, 200], [50, 50], [1e-7, 1e-7]])("rounds %d down to %d", (value, round) => {
@@ -35,6 +44,54 @@ describe("arrows", () => {
 
   it("separates reactions from applied forces", () => {
     expect(source.vectors.map(vectorGroup)).toEqual(["reaction", "force", "torque"]);
+    expect(vectorGroup({ ...source.vectors[1]!, name: "contact heel" })).toBe("contact");
+  });
+});
+
+describe("footprints", () => {
+  /** A foot that stands at x = 0 until 1 s, is in the air until 2 s, and then slides from x = 1 to x = 2 in a second. */
+  const times = Array.from({ length: 31 }, (_, k) => k / 10);
+  const motion: Motion = {
+    times: Float64Array.from(times), positions: new Float32Array(93), quaternions: Float32Array.from(times.flatMap(() => [1, 0, 0, 0])), curves: [], events: [],
+    vectors: [{
+      name: "contact foot", kind: "force", anchor: { body: 1, at: [0, 0, 0] },
+      values: Float32Array.from(times.flatMap((t) => [0, 0, t > 1 && t < 2 ? 0 : 5])),
+      places: Float32Array.from(times.flatMap((t) => [t <= 1 ? 0 : t - 1, 0, 0])),
+      prints: true,
+    }],
+  }; // prettier-ignore
+  const pair = { ...scene, size: 2, bodies: scene.bodies.slice(0, 2) };
+  const shown = (of: StateSource, time: number): number => {
+    const prints = new Footprints(of, new GeometryStore(pair), 2);
+    prints.update({ time, matrices: [] });
+    const { count } = prints.object;
+    prints.dispose();
+    return count;
+  };
+
+  it("are where something has touched: one where it stood, a row where it slid, none ahead of the time", () => {
+    const stored = new StoredMotion(motion, 2);
+    expect(shown(stored, 0.9)).toBe(1);
+    expect(shown(stored, 1.8)).toBe(0); // faded
+    expect(shown(stored, 3)).toBe(11); // a sample each 0.1 m
+    expect(shown(stored, 2.45)).toBe(5);
+  });
+
+  it("grow with a motion that is simulated, and begin anew with it", () => {
+    const live = new LiveSource(new StoredMotion(motion, 2), 2);
+    const show = (time: number, force: number, x: number): boolean => live.show({ positions: [0, 0, 0], quaternions: [1, 0, 0, 0], vectors: [0, 0, force], places: [x, 0, 0], time });
+    show(0, 1, 0);
+    show(0.1, 1, 0.001); // stands
+    expect(shown(live, 0)).toBe(1);
+    show(0.2, 0, 0.5);
+    show(0.3, 1, 1);
+    expect(shown(live, 0)).toBe(2);
+    show(0, 1, 0);
+    expect(shown(live, 0)).toBe(1);
+    const place = new Float64Array(3);
+    show(0.1, 1, 0.7);
+    live.placeAt(0, 0, place);
+    expect(place[0]).toBe(0.7);
   });
 });
 
@@ -50,6 +107,22 @@ describe("views", () => {
     expect(front!.distanceTo(new Vector3(0, -1, 0))).toBeLessThan(1e-12);
     expect(right!.distanceTo(new Vector3(1, 0, 0))).toBeLessThan(1e-12);
     expect(top!.distanceTo(new Vector3(0, 0, 1))).toBeLessThan(1e-3);
+  });
+
+  it("stays level where something bounces along its ground, and falls with what has none", () => {
+    const [, bar] = scene.bodies;
+    const ball = { ...bar!, mass: 1, solids: [{ ...bar!.solids[0]!, mesh: null, kind: "sphere", size: [0.1], at: [0, 0, 0] } as Solid], frames: [] };
+    const floor = { ...scene.bodies[0]!, solids: [{ ...ball.solids[0]!, kind: "box", size: [9, 9, 0.01], at: [0, 0, -0.1] } as Solid], frames: [] };
+    const bouncing = { ...source, start: 0, end: 1, poseAt: (time: number, pose: Pose) => { pose.positions.set([4 * time, 0, Math.abs(Math.cos(9 * time))], 3); } } as unknown as StateSource;
+    const free = { ...scene, joints: [], connectors: [], normal: null, up: [0, 0, 1] as const, gravity: [0, 0, -9.81] as const };
+    const above = motionExtent({ ...free, bodies: [floor, ball] }, bouncing);
+    expect(above.roams).toBe(true);
+    expect(above.fixed?.toArray()).toEqual([0, 0, 1]);
+    expect(above.box.max.z - above.box.min.z).toBeGreaterThan(1); // all of its bounces
+    expect(above.box.max.x - above.box.min.x).toBeLessThan(0.3);
+    const falling = motionExtent({ ...free, bodies: [{ ...floor, solids: [] }, ball] }, bouncing);
+    expect(falling.fixed).toBe(null);
+    expect(falling.box.max.z - falling.box.min.z).toBeLessThan(0.3);
   });
 
   it("fits to everything that moves", () => {

@@ -9,7 +9,7 @@ const motion: Motion = {
   positions: new Float32Array([0, 0, 0, 2, 0, 0, 5, 0, 0, 5, 4, 0]),
   quaternions: new Float32Array([1, 0, 0, 0, half, 0, 0, half, half, 0, 0, half, -half, 0, 0, -half]),
   curves: [],
-  vectors: [{ name: "F", kind: "force", anchor: { body: 1, at: [0, 0, 0] }, values: new Float32Array([0, 0, 0, 4, 0, 0, 4, 0, 0, 4, 8, 0]), places: new Float32Array([1, 2, 3, 1, 2, 5, 1, 2, 5, 1, 2, 7]) }],
+  vectors: [{ name: "F", kind: "force", anchor: { body: 1, at: [0, 0, 0] }, values: new Float32Array([0, 0, 0, 4, 0, 0, 4, 0, 0, 4, 8, 0]), places: new Float32Array([1, 2, 3, 1, 2, 5, 1, 2, 5, 1, 2, 7]), prints: true }],
   events: [],
 };
 

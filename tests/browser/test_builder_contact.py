@@ -27,6 +27,29 @@ def test_a_ball_dropped_on_the_ground_bounces_with_its_restitution(visit: Visit)
     builder.wait_checked()
     assert errors_of(builder) == []
     assert builder.state("data.contact")[0]["normal"] == "rigid"
+    # a gap is no constraint, so that nothing is redundant; the counts say what holds while it is closed
+    counts = page.get_by_test_id("live")
+    assert "0 constraints" in (counts.text_content() or "") and "1 unilateral" in (
+        counts.text_content() or ""
+    )
+    assert "redundant" not in (counts.text_content() or "")
+    field = page.get_by_label("Restitution")
+    field.fill("2")
+    builder.wait_checked()
+    assert field.get_attribute("aria-invalid") == "true"
+    assert page.locator(".properties").get_by_text("give a number from 0 to 1").count() == 1
+    page.locator(".react-flow__pane").click(position={"x": 5, "y": 5})
+    page.keyboard.press("Control+z")  # what was typed into one field is one step
+    builder.wait_checked()
+    assert "restitution" not in builder.state("data.contact")[0]
+    assert errors_of(builder) == []
+    page.keyboard.press("Control+Shift+z")
+    builder.wait_checked()
+    assert builder.state("data.contact")[0]["restitution"] == "2"
+    page.keyboard.press("Control+z")
+    page.get_by_test_id(f"badge-{contact['name']}").click()
+    page.get_by_label("Restitution").fill("0.5")
+    builder.wait_checked()
     builder.simulate()
     times, heights = (np.array(each) for each in builder.curve("Ball1_y"))
     fall = np.sqrt(2 * (HEIGHT - RADIUS) / G)

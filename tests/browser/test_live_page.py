@@ -77,6 +77,39 @@ def test_a_page_runs_pauses_steps_and_starts_anew(surfer: Surfer, tmp_path: Path
     assert "J" in page.locator(".sb-readings").inner_text()
 
 
+def test_forces_of_contacts_are_arrows_with_footprints_that_a_switch_hides(
+    surfer: Surfer, tmp_path: Path
+) -> None:
+    """A wheel that rolls bears its weight where it touches: the page computes so, and draws so."""
+    wheel = sb.Body("Wheel", mass=5, inertia=(0.05, 0.1, 0.05))
+    normal, friction = sb.NormalForce(stiffness=1e5, dissipation=0.5), sb.Friction(mu=0.8, v0=1e-2)
+    road = sb.Contact("road", "ground", wheel, ["plane", {"sphere": 0.2}], normal=normal, friction=friction)
+    plane = sb.Planar("move", "ground", wheel, axis="y", coordinates=["z", "x", "turn"])
+    eqs = sb.form_equations(sb.Model("wheel", [plane, road], gravity=(0, 0, -9.81)))
+    depth = (5 * 9.81 / 1e5) ** (2 / 3)
+    start = {"z": 0.2 - depth, "x_dot": 1.0, "turn_dot": 5.0}
+    sb.animate(eqs, tmp_path / "live.html", live=True, initial=start)
+    page = surfer.new_page((1200, 720))
+    page.goto((tmp_path / "live.html").as_uri())
+    wait_until(page, "window.symbodyLive !== undefined && symbodyLive.simulation.time > 0.5")
+    page.keyboard.press(" ")
+    (x,) = page.evaluate("[symbodyLive.simulation.state[4]]")
+    source = "const [s, a] = [symbodyLive.player.viewer.source, new Float64Array(3)]"
+    force, place = (
+        page.evaluate(f"(() => {{ {source}; s.{each}(0, 0, a); return Array.from(a); }})()")
+        for each in ("vectorAt", "placeAt")
+    )
+    assert force == pytest.approx((0, 0, 5 * 9.81), abs=0.1)
+    assert place == pytest.approx((x, 0, -depth / 2), abs=1e-4)
+    viewer = "symbodyLive.player.viewer.contents"
+    assert page.evaluate(f"{viewer}.footprints.object.count") > 3
+    page.get_by_role("button", name="Display options").click()
+    for name, hidden in (("Contacts", f"{viewer}.arrows.tip(0) === null"),
+                         ("Footprints", f"!{viewer}.footprints.object.visible")):  # fmt: skip
+        page.get_by_role("checkbox", name=name).uncheck()
+        wait_until(page, hidden)
+
+
 @pytest.mark.exhaustive
 def test_axe_finds_nothing(surfer: Surfer, tmp_path: Path) -> None:
     page = open_live(surfer, tmp_path, "slider_crank", SLIDERS)

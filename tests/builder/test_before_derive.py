@@ -76,6 +76,26 @@ def test_joints_out_of_the_trees_are_counted_as_constraints() -> None:
     assert len(summary["redundant"]) == 20 - (3 * 6 - 1)
 
 
+def test_gaps_are_counted_apart_from_constraints_and_are_not_redundant() -> None:
+    """A ball in the air and one on the floor: what its contact holds while it is closed takes no freedom."""
+    data = {
+        "version": 2,
+        "name": "ball",
+        "gravity": ["0", "0", "-9.81"],
+        "body": [{"name": "Ball", "mass": "1", "inertia": ["1", "1", "1"]}],
+        "joint": [{"name": "move", "type": "free", "between": ["ground", "Ball"]}],
+        "contact": [
+            {
+                "name": "floor", "between": ["ground", "Ball"], "shapes": ["plane", {"sphere": "0.1"}],
+                "normal": "rigid",
+            }
+        ],
+    }  # fmt: skip
+    summary = check_model({"data": data, "folder": ""}, lambda *_: None)["summary"]
+    counts = [summary[name] for name in ("freedoms", "constraints", "unilateral", "redundant", "counting")]
+    assert counts == [6, 0, 1, [], []]
+
+
 def test_nothing_is_said_of_a_model_without_faults() -> None:
     answer = check_model({"data": example(), "folder": ""}, lambda *_: None)
     assert [each for each in answer["problems"] if each["severity"] != "note"] == []

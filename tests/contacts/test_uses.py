@@ -172,7 +172,7 @@ def test_a_law_is_one_law(arguments: dict[str, object], text: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        ({"stiffness": -1}, "contact.domain", "the stiffness -1 is -1"),
+        ({"stiffness": -1}, "contact.domain", "the stiffness is -1"),
         ({"stiffness": 1, "exponent": 0.5}, "contact.domain", "the exponent 0.5 is 0.5"),
         ({"stiffness": 1, "restitution": "e", "speed": 1}, "contact.domain", "the restitution e is 0"),
         ({"stiffness": 1, "restitution": 1, "speed": "e"}, "contact.domain", "e is 0"),

@@ -102,10 +102,14 @@ export interface Summary {
   readonly freedoms: number | null;
   readonly instant_freedoms: number | null;
   readonly constraints: number;
+  /** Equations of contacts, limits and ropes, which hold only while these are closed or taut. */
+  readonly unilateral: number;
   readonly rotation_tree: readonly string[];
   readonly translation_tree: readonly string[];
   readonly chords: readonly Chord[];
   readonly redundant: readonly string[];
+  /** Notes on the counts, such as of an instant in which they differ. */
+  readonly counting: readonly string[];
   readonly tree_choice: Readonly<Record<string, { readonly rotation: boolean; readonly translation: boolean }>>;
   readonly bodies: number;
 }

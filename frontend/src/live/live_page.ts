@@ -7,7 +7,7 @@ import { Player } from "../player/player";
 import { prefersReducedMotion } from "../player/theme";
 import { Bench, type Readings } from "./bench";
 import { Pulling, Thread } from "./pulling";
-import { previewOf, quaternionsOf, sceneFor, type Control, type LiveData, type Simulation } from "./simulation";
+import { previewOf, sceneFor, stateOf, type Control, type LiveData, type Simulation } from "./simulation";
 
 const MOST_SECONDS = 0.1; // of a frame: a page that was hidden does not leap
 const BUDGET = 24; // milliseconds of computing in a frame
@@ -38,6 +38,7 @@ export class LivePage {
   readonly player: Player;
   readonly bench: Bench;
   private readonly source: LiveSource;
+  private readonly bodies: number;
   private readonly pulling: Pulling | null;
   private readonly held: readonly string[];
   private readonly firstParameters: ReadonlyMap<string, number>;
@@ -60,8 +61,9 @@ export class LivePage {
     const begin = (): Simulation => withFirstInputs(makeSimulation(), live.controls);
     const simulation = begin();
     this.simulation = simulation;
+    this.bodies = data.scene.bodies.length - 1;
     // what the view is fitted to, and whether the camera goes along
-    this.source = new LiveSource(new StoredMotion(previewOf(begin()), data.scene.bodies.length), data.scene.bodies.length);
+    this.source = new LiveSource(new StoredMotion(previewOf(begin(), this.bodies, data.source.vectors), this.bodies + 1), this.bodies + 1);
     this.held = live.controls.filter(({ kind }) => kind === "initial").map(({ name }) => name);
     this.firstParameters = new Map(live.tables.map(({ parameter }) => [parameter, simulation.parameter(parameter)]));
     const hint = simulation.numbers.pull === null ? "" : "Drag a body to pull it; drag the background, or hold Shift, to rotate the view.";
@@ -238,8 +240,7 @@ export class LivePage {
   }
 
   private showPose(): void {
-    const { positions, axes } = this.simulation.computePose();
-    this.source.show({ positions: Array.from(positions), quaternions: quaternionsOf(axes) });
+    this.source.show(stateOf(this.simulation, this.bodies));
   }
 
   private followTheme(): void {

@@ -1,6 +1,6 @@
 /** The simulation that a page holds, as `symbody.simulation.programs` writes it, and what the page adds to it. */
 
-import { DataError, Reader, type Motion } from "../viewer";
+import { DataError, Reader, type LiveState, type Motion, type MotionVector } from "../viewer";
 
 export interface Simulation {
   readonly time: number;
@@ -132,24 +132,41 @@ export function quaternionsOf(axes: Float64Array): number[] {
 const PREVIEW = 8; // seconds
 const SAMPLES = 80;
 
-/** Return the first seconds of a motion, as far as it can be computed and without so many steps that the page waits. */
-export function previewOf(simulation: Simulation): Motion {
+/** Return the state shown of so many bodies; what follows them are arrows: each a place, and components in the first row of its axes. */
+export function stateOf(simulation: Simulation, bodies: number): Required<LiveState> {
+  const { positions, axes } = simulation.computePose();
+  const arrows = Array.from({ length: positions.length / 3 - bodies }, (_, k) => bodies + k);
+  return {
+    positions: Array.from(positions.subarray(0, 3 * bodies)),
+    quaternions: quaternionsOf(axes.subarray(0, 9 * bodies)),
+    vectors: arrows.flatMap((k) => Array.from(axes.subarray(9 * k, 9 * k + 3))),
+    places: arrows.flatMap((k) => Array.from(positions.subarray(3 * k, 3 * k + 3))),
+    time: simulation.time,
+  };
+}
+
+/** Return the first seconds of a motion of so many bodies, as far as it can be computed and the page need not wait. */
+export function previewOf(simulation: Simulation, bodies: number, vectors: readonly MotionVector[]): Motion {
   const times: number[] = [];
-  const [positions, quaternions]: [number[], number[]] = [[], []];
+  const states: Required<LiveState>[] = [];
   const { startTime, codes } = simulation.numbers;
   for (let k = 0; k < SAMPLES; k += 1) {
     const time = startTime + (PREVIEW * k) / (SAMPLES - 1);
     const isReached = simulation.advanceTo(time, 2000);
-    const pose = simulation.computePose();
     times.push(isReached ? time : simulation.time);
-    positions.push(...pose.positions);
-    quaternions.push(...quaternionsOf(pose.axes));
+    states.push(stateOf(simulation, bodies));
     if (!isReached || simulation.code !== codes["RUNNING"]) break;
   }
   return {
     times: Float64Array.from(times),
-    positions: Float32Array.from(positions),
-    quaternions: Float32Array.from(quaternions),
-    curves: [], vectors: [], events: [],
-  }; // prettier-ignore
+    positions: Float32Array.from(states.flatMap((each) => each.positions.flat())),
+    quaternions: Float32Array.from(states.flatMap((each) => each.quaternions.flat())),
+    curves: [],
+    vectors: vectors.map((vector, k) => ({
+      ...vector,
+      values: Float32Array.from(states.flatMap((each) => each.vectors.slice(3 * k, 3 * k + 3).flat())),
+      places: vector.places === null ? null : Float32Array.from(states.flatMap((each) => each.places.slice(3 * k, 3 * k + 3).flat())),
+    })),
+    events: [],
+  };
 }

@@ -19,7 +19,7 @@ interface Parts {
 
 type Name = keyof SettingValues;
 
-const SHOWN = ["frames", "joints", "labels", "grid", "force", "torque", "reaction"] as const;
+const SHOWN = ["frames", "joints", "labels", "grid", "force", "torque", "contact", "reaction", "footprints"] as const;
 
 const IN_PICTURE: Partial<Record<Name, (viewer: Viewer, values: SettingValues) => void>> = {
   view: (viewer, { view }) => {

@@ -6,6 +6,7 @@ import { create, setText } from "./dom";
 const ROWS: readonly { group: VectorGroup; title: string }[] = [
   { group: "force", title: "force" },
   { group: "torque", title: "torque" },
+  { group: "contact", title: "contact" },
   { group: "reaction", title: "reaction" },
 ];
 const LONGEST = 90; // pixels

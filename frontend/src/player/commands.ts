@@ -1,7 +1,7 @@
 /** What commands do to a player. */
 
 import { Vector3 } from "three";
-import { type Clock, roundDown, type ThemeChoice, tracePoints, type Viewer, type ViewName } from "../viewer";
+import { type Clock, roundDown, type ThemeChoice, tracePoints, VECTOR_GROUPS, type Viewer, type ViewName } from "../viewer";
 import type { PlayerData } from "./data";
 import { COMMANDS, type Command } from "./keys";
 import type { Settings } from "./settings";
@@ -107,8 +107,8 @@ const ACTIONS: Record<Command, Action> = {
   grid: toggle("grid"),
   curves: toggle("curves"),
   vectors: ({ settings }) => {
-    const on = !(settings.values.force || settings.values.torque || settings.values.reaction);
-    for (const group of ["force", "torque", "reaction"] as const) settings.set(group, on);
+    const on = !(VECTOR_GROUPS.some((group) => settings.values[group]));
+    for (const group of VECTOR_GROUPS) settings.set(group, on);
     return `Forces and torques ${on ? "on" : "off"}`;
   },
   traces: (player) => toggleTraces(player),

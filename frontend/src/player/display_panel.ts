@@ -25,6 +25,8 @@ export function displayPanel(settings: Settings, scene: Scene, source: StateSour
   const arrows = [
     ...(groups.has("force") ? [check(settings, "force", "Forces")] : []),
     ...(groups.has("torque") ? [check(settings, "torque", "Torques")] : []),
+    ...(groups.has("contact") ? [check(settings, "contact", "Contacts")] : []),
+    ...(source.vectors.some((each) => each.prints) ? [check(settings, "footprints", "Footprints")] : []),
     ...(groups.has("reaction") ? [check(settings, "reaction", "Reactions")] : []),
   ];
   const moving = source.end > source.start;

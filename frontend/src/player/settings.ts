@@ -17,7 +17,9 @@ export interface SettingValues {
   gravity: boolean;
   force: boolean;
   torque: boolean;
+  contact: boolean;
   reaction: boolean;
+  footprints: boolean;
   arrowFactor: number;
   ghosts: number;
   /** Traced points as "body.frame". */
@@ -45,7 +47,9 @@ export const DEFAULTS: SettingValues = {
   gravity: true,
   force: true,
   torque: true,
+  contact: true,
   reaction: true,
+  footprints: true,
   arrowFactor: 1,
   ghosts: 0,
   traces: [],

@@ -1,4 +1,4 @@
-/** Forces and torques as arrows (torques with two heads). */
+/** Forces and torques as arrows (torques with two heads); points of contact as dots. */
 
 import {
   BufferGeometry,
@@ -10,9 +10,10 @@ import {
   Matrix4,
   MeshStandardMaterial,
   Quaternion,
+  SphereGeometry,
   Vector3,
 } from "three";
-import { arrowScale, largestMagnitude } from "./arrow_scale";
+import { arrowScale, LONGEST, usualMagnitude } from "./arrow_scale";
 import type { MotionVector, Scene, VectorKind } from "./contract";
 import { Curls } from "./curls";
 import { anchorPoint, type Instant, type Layer } from "./layer";
@@ -20,21 +21,24 @@ import { HIGHLIGHT, VECTOR_COLORS } from "./palette";
 import type { GeometryStore } from "./solids";
 import type { StateSource } from "./source";
 
-export type VectorGroup = "force" | "torque" | "reaction";
+export const VECTOR_GROUPS = ["force", "torque", "contact", "reaction"] as const;
+export type VectorGroup = (typeof VECTOR_GROUPS)[number];
 
-/** Return the group of a vector: what joints do to bodies is shown apart from applied forces. */
+/** Return the group of a vector: what joints and contacts do to bodies is shown apart from applied forces. */
 export function vectorGroup(vector: MotionVector): VectorGroup {
+  if (/^contact\b/i.test(vector.name)) return "contact";
   return /^(reaction|constraint)\b/i.test(vector.name) ? "reaction" : vector.kind;
 }
 
 const zAxis = new Vector3(0, 0, 1);
 const hidden = new Matrix4().makeScale(0, 0, 0);
 
-/** Shafts and heads of many arrows in two draws. */
+/** Shafts, heads and points of many arrows in three draws, over all bodies: forces act inside of them. */
 class ArrowMeshes {
   readonly object = new Group();
   readonly shafts: InstancedMesh<BufferGeometry, MeshStandardMaterial>;
   readonly heads: InstancedMesh<BufferGeometry, MeshStandardMaterial>;
+  private readonly points: InstancedMesh<BufferGeometry, MeshStandardMaterial>;
   private readonly direction = new Vector3();
   private readonly turn = new Quaternion();
   private readonly place = new Vector3();
@@ -46,10 +50,11 @@ class ArrowMeshes {
     private readonly width: number,
     store: GeometryStore,
   ) {
-    const material = new MeshStandardMaterial({ roughness: 0.6, emissiveIntensity: 0.25 });
+    const material = new MeshStandardMaterial({ roughness: 0.6, emissiveIntensity: 0.25, depthTest: false, transparent: true });
     this.shafts = new InstancedMesh(store.made("shaft", () => new CylinderGeometry(1, 1, 1, 16).rotateX(Math.PI / 2)), material, count);
     this.heads = new InstancedMesh(store.made("head", () => new ConeGeometry(1, 1, 24).rotateX(Math.PI / 2)), material, 2 * count);
-    for (const mesh of [this.shafts, this.heads]) {
+    this.points = new InstancedMesh(store.made("point", () => new SphereGeometry(1, 16, 12)), material, count);
+    for (const mesh of this.meshes) {
       mesh.frustumCulled = false;
       mesh.renderOrder = 2;
       this.object.add(mesh);
@@ -58,6 +63,7 @@ class ArrowMeshes {
 
   hide(index: number): void {
     this.shafts.setMatrixAt(index, hidden);
+    this.points.setMatrixAt(index, hidden);
     this.heads.setMatrixAt(2 * index, hidden);
     this.heads.setMatrixAt(2 * index + 1, hidden);
   }
@@ -80,14 +86,20 @@ class ArrowMeshes {
     else this.heads.setMatrixAt(2 * index + 1, hidden);
   }
 
+  /** Draw a dot where a vector acts. */
+  setPoint(index: number, at: Vector3): void {
+    this.points.setMatrixAt(index, this.matrix.compose(at, this.turn.identity(), this.scale.setScalar(1.9 * this.width)));
+  }
+
   setColor(index: number, color: Color): void {
     this.shafts.setColorAt(index, color);
+    this.points.setColorAt(index, color);
     this.heads.setColorAt(2 * index, color);
     this.heads.setColorAt(2 * index + 1, color);
   }
 
   flush(): void {
-    for (const mesh of [this.shafts, this.heads]) {
+    for (const mesh of this.meshes) {
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
       if (mesh.instanceColor !== null) mesh.instanceColor.needsUpdate = true;
@@ -96,7 +108,11 @@ class ArrowMeshes {
 
   dispose(): void {
     this.shafts.material.dispose();
-    for (const mesh of [this.shafts, this.heads]) mesh.dispose();
+    for (const mesh of this.meshes) mesh.dispose();
+  }
+
+  private get meshes(): readonly InstancedMesh<BufferGeometry, MeshStandardMaterial>[] {
+    return [this.shafts, this.heads, this.points];
   }
 
   private write(mesh: InstancedMesh, index: number, start: Vector3, at: number, radius: number, length: number): void {
@@ -108,7 +124,7 @@ class ArrowMeshes {
 export class VectorArrows implements Layer {
   readonly object = new Group();
   /** Which groups are drawn. */
-  readonly shown: Record<VectorGroup, boolean> = { force: true, torque: true, reaction: true };
+  readonly shown: Record<VectorGroup, boolean> = { force: true, torque: true, contact: true, reaction: true };
   /** A factor of all lengths, chosen by the user. */
   factor = 1;
   /** Where the last drawn arrows end. */
@@ -120,6 +136,7 @@ export class VectorArrows implements Layer {
   private readonly arrows: ArrowMeshes;
   private readonly curls: Curls;
   private readonly scales: Record<VectorKind, number>;
+  private readonly longest: number;
   private readonly components = new Float64Array(3);
   private readonly place = new Float64Array(3);
   private readonly start = new Vector3();
@@ -129,17 +146,19 @@ export class VectorArrows implements Layer {
     scene: Scene,
     private readonly source: StateSource,
     store: GeometryStore,
+    size: number,
   ) {
     const { vectors } = source;
-    this.arrows = new ArrowMeshes(vectors.length, 0.006 * scene.size, store);
+    this.arrows = new ArrowMeshes(vectors.length, 0.006 * size, store);
     this.scales = {
-      force: arrowScale(largestMagnitude(vectors, "force"), scene.size),
-      torque: arrowScale(largestMagnitude(vectors, "torque"), scene.size),
+      force: arrowScale(usualMagnitude(vectors, "force", source.times), size),
+      torque: arrowScale(usualMagnitude(vectors, "torque", source.times), size),
     };
+    this.longest = LONGEST * size;
     this.tips = vectors.map(() => new Vector3());
     this.acts = vectors.map(() => true);
     this.curled = scene.normal !== null;
-    this.curls = new Curls(vectors.length, 0.45 * scene.size, store);
+    this.curls = new Curls(vectors.length, 0.45 * size, store);
     this.object.add(this.arrows.object, this.curls.mesh);
     this.paint("", "");
   }
@@ -173,10 +192,12 @@ export class VectorArrows implements Layer {
         this.start.fromArray(this.place);
       }
       this.along.fromArray(this.components).multiplyScalar(this.scales[vector.kind] * this.factor);
+      this.along.clampLength(0, this.longest * Math.max(1, this.factor));
       this.acts[index] = vector.places === null || this.along.lengthSq() > 0;
       const tip = this.tips[index]!.addVectors(this.start, this.along);
       if (this.curled && vector.kind === "torque") this.curls.set(index, this.start, this.along, tip);
       else this.arrows.set(index, this.start, this.along, vector.kind === "torque");
+      if (vector.places !== null && this.acts[index] === true) this.arrows.setPoint(index, this.start);
     }
     this.flush();
   }

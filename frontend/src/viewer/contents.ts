@@ -5,10 +5,11 @@ import { VectorArrows } from "./arrows";
 import { BodyLines } from "./body_lines";
 import { Connectors } from "./connectors";
 import type { Scene } from "./contract";
+import { Footprints } from "./footprints";
 import { Ground } from "./ground";
 import type { Counts, Instant, Layer } from "./layer";
 import { FrameAxes, JointMarks } from "./marks";
-import { centreOf, motionExtent, shortestLengths, visitStates, type Extent } from "./paths";
+import { centreOf, drawnSize, motionExtent, shortestLengths, visitStates, type Extent } from "./paths";
 import { GeometryStore, Solids } from "./solids";
 import { restPose, type Pose, type StateSource } from "./source";
 import { Traces } from "./traces";
@@ -24,6 +25,7 @@ export class Contents {
   readonly axes: FrameAxes;
   readonly joints: JointMarks;
   readonly traces: Traces;
+  readonly footprints: Footprints;
   readonly ground: Ground;
   readonly layers: readonly Layer[];
   /** Where a mechanism that goes far begins. */
@@ -42,13 +44,20 @@ export class Contents {
     visitStates(scene, source, [source.start], ({ matrices }) => { centreOf(scene, matrices, this.first); });
     this.solids = new Solids(scene, this.store);
     this.connectors = new Connectors(scene, this.store, shortestLengths(scene, source), counts);
-    this.arrows = new VectorArrows(scene, source, this.store);
+    this.arrows = new VectorArrows(scene, source, this.store, drawnSize(scene, this.extent));
     this.axes = new FrameAxes(scene, this.store);
     this.joints = new JointMarks(scene, this.store);
     this.traces = new Traces(scene, source, counts);
+    this.footprints = new Footprints(source, this.store, drawnSize(scene, this.extent));
     this.ground = new Ground(scene, this.extent);
-    this.layers = [this.ground, this.solids, new BodyLines(scene), this.connectors, this.axes, this.arrows, this.traces, this.joints];
+    this.layers = [this.ground, this.solids, new BodyLines(scene), this.connectors, this.axes, this.footprints, this.arrows, this.traces, this.joints];
     this.store.tidy();
+  }
+
+  /** Write how far a camera has gone along with a mechanism that goes far, since the start. */
+  travel(into: Vector3): void {
+    centreOf(this.scene, this.instant.matrices, into).sub(this.first);
+    if (this.extent.fixed !== null) into.projectOnPlane(this.extent.fixed);
   }
 
   dispose(): void {

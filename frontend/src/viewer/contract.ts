@@ -93,6 +93,8 @@ export interface MotionVector {
   readonly values: Float32Array;
   /** Where it acts in ground's axes, if that moves on its body, as points of contact do. */
   readonly places: Float32Array | null;
+  /** Whether it leaves footprints there: of a contact with the ground. */
+  readonly prints: boolean;
 }
 
 export interface MotionEvent {

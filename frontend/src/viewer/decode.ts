@@ -172,5 +172,6 @@ function readVector(data: Reader, count: number, bodies: number): MotionVector {
     anchor: readAnchor(data.field("anchor"), bodies),
     values: data.field("values").floats(count * 3),
     places: places.isNull ? null : places.floats(count * 3),
+    prints: !data.field("prints").isNull,
   };
 }

@@ -1,6 +1,6 @@
 /** The viewer: what pages, the widget and the editor import. */
 
-export { vectorGroup, type VectorGroup } from "./arrows";
+export { VECTOR_GROUPS, vectorGroup, type VectorGroup } from "./arrows";
 export { formatQuantity, roundDown } from "./arrow_scale";
 export { VIEW_NAMES, type Covered, type ViewName } from "./camera_rig";
 export { Clock, SPEEDS } from "./clock";

@@ -6,6 +6,7 @@ import type { Scene } from "./contract";
 import type { LabelItem } from "./labels";
 import type { SceneElement } from "./layer";
 import { bodyColor, VECTOR_COLORS } from "./palette";
+import { LOOSE } from "./paths";
 import type { StateSource } from "./source";
 
 /** What labels need of a picture. */
@@ -28,7 +29,8 @@ export function labelItems(scene: Scene, source: StateSource, places: Places): L
     color: bodyColor(index + 1),
     place: (into) => places.shown.labels && put(into, places.bodyPosition(index + 1, into)),
   }));
-  const joints = scene.joints.map((joint): LabelItem => {
+  // a joint that holds nothing in its place is nowhere
+  const joints = scene.joints.filter(({ type }) => !LOOSE.includes(type)).map((joint): LabelItem => {
     const element: SceneElement = { kind: "joint", name: joint.name, type: joint.type, body: joint.end.body };
     return {
       text: joint.name,

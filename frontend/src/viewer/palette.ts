@@ -15,7 +15,9 @@ export const CONNECTOR_COLORS = {
   line: "#6d7a86",
 } as const;
 
-export const VECTOR_COLORS = { force: "#c62f3b", torque: "#7a3fa0", reaction: "#0a8f8f" } as const;
+export const VECTOR_COLORS = { force: "#c62f3b", torque: "#7a3fa0", reaction: "#0a8f8f", contact: "#d81b7a" } as const;
+/** What footprints fade to. */
+export const FADED = "#a9b0b8";
 /** Edges of solids, and how strongly they are drawn. */
 export const EDGE = { color: "#0e1a28", opacity: 0.45 } as const;
 export const HIGHLIGHT = "#ffe433";

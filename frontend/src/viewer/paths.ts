@@ -10,8 +10,10 @@ import { restPose, type StateSource } from "./source";
 const SAMPLES = 80;
 const MOST_GROUND = 1.8; // a ground that is larger, in parts of what moves, may stick out
 const MOST_POINTS = 24_000; // that a view is fitted to
-const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"]; // joints that hold nothing in its place
+/** Types of joints that hold nothing in its place. */
+export const LOOSE: readonly string[] = ["free", "cartesian", "rectangular", "planar"];
 const STANDS = 0.1; // of the size of a mechanism, by which an arm on its base may be lower than that at the start
+const HIGH = 12; // times its size: a mechanism above ground that is seen rises and falls in a picture that stays level
 const FAR = 3; // times its own extent: a mechanism that moves farther is followed by the camera
 
 /** Call `visit` with the state at each of the times; the instant is reused. */
@@ -91,8 +93,15 @@ export interface Extent {
   readonly box: Box3;
   /** Whether the mechanism goes far: then the points are those of a camera that goes along with its centre. */
   readonly roams: boolean;
+  /** Along which direction such a camera stays where it is: upwards, so that what bounces does so above its ground. */
+  readonly fixed: Vector3 | null;
   /** The least height of all that is seen, across the plane of a planar mechanism: that of its floor. */
   readonly level: number;
+}
+
+/** Return the length that arrows and footprints are drawn by: the scene's size, or more where the picture shows more [m]. */
+export function drawnSize(scene: Scene, extent: Extent): number {
+  return Math.max(scene.size, 0.5 * extent.box.getSize(new Vector3()).length());
 }
 
 /** Write the mean place of all bodies but the ground, by their mass [m]. */
@@ -113,22 +122,25 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
   const samples = Math.min(Math.max(Math.floor(MOST_POINTS / (8 * local.length)), 6), SAMPLES);
   const moving: number[] = [];
   const carried: number[] = []; // beside the centre, which is where it is at the start
-  const [corner, first, centre] = [new Vector3(), new Vector3(), new Vector3()];
+  const [corner, first, centre, gone] = [new Vector3(), new Vector3(), new Vector3(), new Vector3()];
+  const fixed = staysLevel(scene, source, local);
   let atStart = 0;
   visitStates(scene, source, chosenTimes(source, samples), ({ matrices }, index) => {
     centreOf(scene, matrices, centre);
     if (index === 0) first.copy(centre);
+    gone.subVectors(centre, first);
+    if (fixed !== null) gone.projectOnPlane(fixed);
     for (let body = 1; body < local.length; body += 1) {
       for (const each of local[body]!) {
         corner.copy(each).applyMatrix4(matrices[body]!).toArray(moving, moving.length);
-        corner.sub(centre).add(first).toArray(carried, carried.length);
+        corner.sub(gone).toArray(carried, carried.length);
       }
     }
     if (index === 0) atStart = moving.length;
   });
   if (!isTied(scene) && diagonal(moving) > FAR * diagonal(carried)) {
     const level = lowest([...moving, ...carried], floorNormal(scene)); // nothing that falls passes the floor
-    return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true, level };
+    return { points: new Float32Array(carried), box: new Box3().setFromArray(carried), roams: true, fixed, level };
   }
   const ground = local[0]!.flatMap((each) => each.toArray());
   const seen = aboveBase(scene, ground, moving, atStart);
@@ -141,7 +153,23 @@ export function motionExtent(scene: Scene, source: StateSource, store = new Geom
     points.push(...boxCorners(box).flatMap((each) => each.toArray()));
   }
   const level = lowest(boxCorners(box).flatMap((each) => each.toArray()), floorNormal(scene));
-  return { points: new Float32Array(points), box, roams: false, level };
+  return { points: new Float32Array(points), box, roams: false, fixed, level };
+}
+
+/** Return upwards where the ground is seen and the mechanism does not rise or fall by far more than its own size, else null. */
+function staysLevel(scene: Scene, source: StateSource, local: readonly Vector3[][]): Vector3 | null {
+  if (scene.gravity === null || scene.bodies[0]!.solids.length === 0) return null;
+  const up = new Vector3(...scene.up).normalize();
+  const heights: number[] = [];
+  const corners: number[] = [];
+  const point = new Vector3();
+  visitStates(scene, source, chosenTimes(source, SAMPLES), ({ matrices }, index) => {
+    centreOf(scene, matrices, point);
+    heights.push(point.dot(up));
+    if (index > 0) return;
+    local.forEach((each, body) => { if (body > 0) for (const corner of each) point.copy(corner).applyMatrix4(matrices[body]!).toArray(corners, corners.length); });
+  });
+  return Math.max(...heights) - Math.min(...heights) < HIGH * diagonal(corners) ? up : null;
 }
 
 /**

@@ -23,7 +23,13 @@ export interface StateSource {
   vectorAt(index: number, time: number, components: Float64Array): void;
   /** Write where a vector with places acts (3) at a time, in ground's axes. */
   placeAt(index: number, time: number, place: Float64Array): void;
+  /** Return when and where a vector with places acted or not, `TOUCH_SIZE` numbers each: t, whether, x, y, z. */
+  touches(index: number): readonly number[];
+  /** Return the time of what is shown when a time was chosen. */
+  timeShown(time: number): number;
 }
+
+export const TOUCH_SIZE = 5;
 
 /** Return a pose with every body at the origin. */
 export function restPose(bodies: number): Pose {
@@ -53,6 +59,7 @@ export class StoredMotion implements StateSource {
   readonly vectors: readonly MotionVector[];
   readonly events: readonly MotionEvent[];
   private readonly moving: number;
+  private readonly touched: number[][] = [];
 
   constructor(
     private readonly motion: Motion,
@@ -93,6 +100,18 @@ export class StoredMotion implements StateSource {
     if (places !== null) this.mix(places, time, place);
   }
 
+  touches(index: number): readonly number[] {
+    const { values, places } = this.vectors[index]!;
+    this.touched[index] ??= Array.from(this.times).flatMap((time, k) =>
+      places === null ? [] : touch(time, values.subarray(3 * k, 3 * k + 3), places.subarray(3 * k, 3 * k + 3)),
+    );
+    return this.touched[index];
+  }
+
+  timeShown(time: number): number {
+    return time;
+  }
+
   private mix(values: Float32Array, time: number, into: Float64Array): void {
     const before = sampleBefore(this.times, time);
     const weight = this.weight(before, time);
@@ -108,6 +127,10 @@ export class StoredMotion implements StateSource {
     const to = this.times[Math.min(before + 1, this.times.length - 1)]!;
     return to > from ? Math.min(1, Math.max(0, (time - from) / (to - from))) : 0;
   }
+}
+
+function touch(time: number, force: ArrayLike<number>, place: ArrayLike<number>): number[] {
+  return [time, Math.hypot(force[0]!, force[1]!, force[2]!) > 0 ? 1 : 0, place[0]!, place[1]!, place[2]!];
 }
 
 /** Write the normalized mix of two quaternions of `values` at `at` of `into`, the short way round. */
@@ -143,13 +166,22 @@ export interface LiveState {
   readonly quaternions: readonly (number | readonly number[])[];
   /** Components of each vector of the source, where they are known. */
   readonly vectors?: readonly (number | readonly number[])[];
+  /** Where each vector acts that has places, zeros for others. */
+  readonly places?: readonly (number | readonly number[])[];
+  /** Its time, where states follow each other. */
+  readonly time?: number;
 }
+
+const MOST_TOUCHES = 20_000 * TOUCH_SIZE; // numbers that are kept of a vector
 
 /** A source whose state can be replaced from outside, as live sliders do, until a time is chosen. */
 export class LiveSource implements StateSource {
   private readonly live: Pose;
   private readonly liveVectors: Float64Array;
+  private readonly livePlaces: Float64Array;
   private shown = false;
+  private liveTime = NaN;
+  private past: number[][] = [];
 
   constructor(
     private readonly base: StateSource,
@@ -157,6 +189,7 @@ export class LiveSource implements StateSource {
   ) {
     this.live = restPose(bodies);
     this.liveVectors = new Float64Array(3 * base.vectors.length);
+    this.livePlaces = new Float64Array(3 * base.vectors.length);
   }
 
   get start(): number { return this.base.start; }
@@ -179,8 +212,34 @@ export class LiveSource implements StateSource {
     this.live.quaternions.set(quaternions, 4);
     this.liveVectors.fill(0);
     if (vectors.length === this.liveVectors.length) this.liveVectors.set(vectors);
+    const places = (state.places ?? []).flat();
+    if (places.length === this.livePlaces.length) this.livePlaces.set(places);
+    if (state.time !== undefined) this.note(state.time);
     this.shown = true;
     return true;
+  }
+
+  touches(index: number): readonly number[] {
+    return Number.isNaN(this.liveTime) ? this.base.touches(index) : (this.past[index] ?? []);
+  }
+
+  timeShown(time: number): number {
+    return this.shown && !Number.isNaN(this.liveTime) ? this.liveTime : time;
+  }
+
+  /** Add the state shown to what is known of the motion; an earlier one begins anew. */
+  private note(time: number): void {
+    const goesOn = time >= this.liveTime;
+    const isNew = time !== this.liveTime;
+    this.liveTime = time;
+    this.vectors.forEach((vector, index) => {
+      if (vector.places === null || !isNew) return;
+      const before = this.past[index] ?? [];
+      const [from, to] = [3 * index, 3 * index + 3];
+      const here = touch(time, this.liveVectors.subarray(from, to), this.livePlaces.subarray(from, to));
+      if (goesOn && before.length < MOST_TOUCHES) before.push(...here);
+      else this.past[index] = [...(goesOn ? before.slice(before.length / 2) : []), ...here];
+    });
   }
 
   poseAt(time: number, pose: Pose): void {
@@ -198,7 +257,8 @@ export class LiveSource implements StateSource {
   }
 
   placeAt(index: number, time: number, place: Float64Array): void {
-    this.base.placeAt(index, time, place);
+    if (!this.shown) this.base.placeAt(index, time, place);
+    else for (let axis = 0; axis < 3; axis += 1) place[axis] = this.livePlaces[3 * index + axis]!;
   }
 }
 

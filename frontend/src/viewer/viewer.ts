@@ -1,7 +1,7 @@
 /** The picture of a mechanism in an element of a page; free of any framework. */
 
 import { Vector3 } from "three";
-import type { VectorArrows } from "./arrows";
+import { VECTOR_GROUPS, type VectorArrows } from "./arrows";
 import { CameraRig, NOTHING_COVERED, type Covered, type ViewName } from "./camera_rig";
 import type { Connectors } from "./connectors";
 import { Contents } from "./contents";
@@ -40,7 +40,9 @@ export interface Shown {
   grid: boolean;
   force: boolean;
   torque: boolean;
+  contact: boolean;
   reaction: boolean;
+  footprints: boolean;
 }
 
 export interface ViewerHooks {
@@ -58,9 +60,8 @@ export class Viewer {
   readonly counts: Counts = { rebuilt: 0, frames: 0 };
   readonly rig: CameraRig;
   readonly shown: Shown = {
-    frames: false, joints: false, labels: false, grid: true,
-    force: true, torque: true, reaction: true,
-  }; // prettier-ignore
+    frames: false, joints: false, labels: false, grid: true, force: true, torque: true, contact: true, reaction: true, footprints: true,
+  };
   selected: SceneElement | null = null;
   private readonly stage: Stage;
   private contents: Contents;
@@ -182,7 +183,8 @@ export class Viewer {
     this.contents.axes.object.visible = this.shown.frames;
     this.joints.object.visible = this.shown.joints;
     this.contents.ground.object.visible = this.shown.grid;
-    for (const group of ["force", "torque", "reaction"] as const) this.arrows.shown[group] = this.shown[group];
+    this.contents.footprints.object.visible = this.shown.footprints;
+    for (const group of VECTOR_GROUPS) this.arrows.shown[group] = this.shown[group];
     this.setTime(this.instant.time);
   }
 
@@ -360,7 +362,7 @@ export class Viewer {
   private goOn(): void {
     if (!this.followed) return;
     if (this.roams) {
-      centreOf(this.scene, this.instant.matrices, this.here).sub(this.contents.first);
+      this.contents.travel(this.here);
       this.rig.carry(this.here);
       this.contents.ground.carry(this.here);
       this.stage.carry(this.here);

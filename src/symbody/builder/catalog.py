@@ -16,7 +16,7 @@ _ORDER: Final = (
     "spinning_top_omega", "bicycle", "four_legs", "parameter_fit",
 )  # fmt: skip
 _PARTS: Final = frozenset({"leg"})  # of other examples: nothing by themselves
-_GROUPS: Final = ("linkages", "drives", "motions")
+_GROUPS: Final = ("linkages", "drives", "motions", "contacts")
 _CAPITALS: Final = frozenset({"rr", "dc", "pid", "urdf"})
 _SMALL: Final = frozenset({"a", "an", "and", "of", "on", "the", "with", "by", "in", "to", "from", "between"})
 CARDS: Final = Path(__file__).parent / "cards"  # NAME.webp, NAME_dark.webp of each entry: docs/draw_cards.py

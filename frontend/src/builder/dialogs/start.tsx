@@ -59,7 +59,7 @@ export function StartScreen(): ReactElement {
 }
 
 const GROUPS: readonly (readonly [string, string])[] = [
-  ["examples", "Examples"], ["linkages", "Gallery: linkages"], ["drives", "Gallery: drives and robots"], ["motions", "Gallery: motions"],
+  ["examples", "Examples"], ["linkages", "Gallery: linkages"], ["drives", "Gallery: drives and robots"], ["motions", "Gallery: motions"], ["contacts", "Gallery: contacts"],
 ];
 
 function Cards({ title, examples }: { readonly title: string; readonly examples: readonly Example[] }): ReactElement | null {

@@ -90,6 +90,7 @@ function Chords(): ReactElement | null {
       {summary.chords.map((each) => (
         <p key={each.joint} className="loop-line"><b>{each.joint}</b> closes {each.loop.length > 0 ? each.loop.join(" – ") : "a loop"}: {each.equations} constraint {each.equations === 1 ? "equation" : "equations"}</p>
       ))}
+      {summary.counting.map((each) => <p key={each} className="loop-line">{each}</p>)}
       {summary.redundant.map((each) => <p key={each} className="loop-line warning"><Icon name="warning" size={14} /> redundant: {each}</p>)}
     </section>
   );

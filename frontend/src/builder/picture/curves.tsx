@@ -136,7 +136,7 @@ function MoreOutputs({ simulated, added }: { readonly simulated: Simulated; read
 }
 
 function withCurves(source: StateSource, curves: readonly MotionCurve[]): StateSource {
-  return { ...source, start: source.start, end: source.end, times: source.times, events: source.events, vectors: source.vectors, curves, poseAt: source.poseAt.bind(source), vectorAt: source.vectorAt.bind(source), placeAt: source.placeAt.bind(source) };
+  return { ...source, start: source.start, end: source.end, times: source.times, events: source.events, vectors: source.vectors, curves, poseAt: source.poseAt.bind(source), vectorAt: source.vectorAt.bind(source), placeAt: source.placeAt.bind(source), touches: source.touches.bind(source), timeShown: source.timeShown.bind(source) };
 }
 
 function Plots({ simulated, names }: { readonly simulated: Simulated; readonly names: readonly string[] }): ReactElement {

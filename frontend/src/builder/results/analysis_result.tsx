@@ -103,7 +103,7 @@ function sourceOfSweep(result: JsonObject, cases: readonly JsonObject[]): StateS
   const curves = cases.flatMap((each) => objects(each["curves"]).map((curve) => ({ ...curve, name: `${textOf(curve["name"])}, ${name} = ${numberText(each["value"])}` })));
   const motion = decodeMotion({ version: 1, times: result["times"], positions: "", quaternions: "", curves, vectors: [], events: [] }, 1);
   const sorted: MotionCurve[] = [...motion.curves].sort((one, other) => one.name.localeCompare(other.name));
-  return { ...motion, curves: sorted, start: motion.times[0]!, end: motion.times.at(-1)!, poseAt: () => undefined, vectorAt: () => undefined, placeAt: () => undefined };
+  return { ...motion, curves: sorted, start: motion.times[0]!, end: motion.times.at(-1)!, poseAt: () => undefined, vectorAt: () => undefined, placeAt: () => undefined, touches: () => [], timeShown: (time) => time };
 }
 
 const HIDDEN = new Set(["scene", "motion", "modes", "places", "branches", "picture", "cases", "times"]);

@@ -173,6 +173,7 @@ function Counts({ summary }: { readonly summary: Summary }): ReactElement {
       {freedoms !== null && <b title={`${plural(freedoms, "degree")} of freedom`}>{freedoms} <span className="long">degree{freedoms === 1 ? "" : "s"} of freedom</span><span className="short" aria-hidden="true">DOF</span></b>}
       <span>{plural(summary.coordinates.length, "coordinate")}</span>
       <span>{plural(summary.constraints, "constraint")}</span>
+      {summary.unilateral > 0 && <span title="Of contacts, limits and ropes: they hold only while these are closed or taut">{summary.unilateral} unilateral</span>}
       {summary.redundant.length > 0 && <span className="warning">{summary.redundant.length} redundant</span>}
     </span>
   );

@@ -88,8 +88,10 @@ _NO_EQUATIONS: Final[Mapping[str, Any]] = {
     "freedoms": None,
     "instant_freedoms": None,
     "constraints": 0,
+    "unilateral": 0,
     "chords": [],
     "redundant": [],
+    "counting": [],
 }
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from symbody.analysis.redundancy import redundancy
 from symbody.equations.equation_set import EquationSet
+from symbody.equations.solving.modal_equations import permanent_equations
 from symbody.errors import SymbodyError
 from symbody.graph.spanning_tree import SpanningTree
 from symbody.graph.topology import Topology
@@ -35,7 +36,8 @@ def tree_summary(topology: Topology) -> Summary:
 def equation_summary(eqs: EquationSet) -> Summary:
     """Return what the equations say of a model."""
     formed = eqs.formed
-    freedoms, instant, redundant = _freedoms(eqs)
+    lasting = permanent_equations(eqs)  # what limits or contacts hold while they are closed is not counted
+    freedoms, instant, redundant, notes = _freedoms(lasting)
     named = (*eqs.coordinate_names, *formed.topology.model.parameters)
     return {
         **tree_summary(formed.topology),
@@ -44,9 +46,11 @@ def equation_summary(eqs: EquationSet) -> Summary:
         "units": {name: eqs.units.get(name, "") for name in named},
         "freedoms": freedoms,
         "instant_freedoms": instant,
-        "constraints": len(eqs.multiplier_names),
+        "constraints": len(lasting.multiplier_names),
+        "unilateral": len(eqs.multiplier_names) - len(lasting.multiplier_names),
         "chords": _chords(eqs),
         "redundant": redundant,
+        "counting": notes,
     }
 
 
@@ -54,17 +58,17 @@ def _members(topology: Topology, names: frozenset[str]) -> list[str]:
     return [joint.name for joint in topology.model.joints if joint.name in names]
 
 
-def _freedoms(eqs: EquationSet) -> tuple[int | None, int | None, list[str]]:
-    """Return freedoms, those of the instant where they differ, and what is redundant in words."""
+def _freedoms(eqs: EquationSet) -> tuple[int | None, int | None, list[str], list[str]]:
+    """Return freedoms, those of the instant where they differ, what is redundant in words, and notes."""
     if not eqs.multiplier_names:
-        return len(eqs.speed_names), None, []
+        return len(eqs.speed_names), None, [], []
     try:
         count = redundancy(eqs)
     except SymbodyError:  # loops without lengths, or loops that do not close: nothing can be counted
-        return None, None, []
+        return None, None, [], []
     owners = {row.name: row.element for row in eqs.formed.rows}
     texts = [f"{owners.get(name, name)}: {name} follows from the others" for name in count.dropped]
-    return count.degrees_of_freedom, count.instantaneous, [*texts, *count.notes]
+    return count.degrees_of_freedom, count.instantaneous, texts, list(count.notes)
 
 
 def _chords(eqs: EquationSet) -> list[Summary]:

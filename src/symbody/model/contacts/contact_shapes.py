@@ -26,11 +26,11 @@ from symbody.model.declarations.misfits import (
 from symbody.model.numeric_checks import Domain, NumericChecks
 
 _SIZES: Final = Domain(
-    "contact.size", "the {formula} is {value} m", "a shape of this size has no surface to touch",
+    "contact.size", "a size of the shape is {value} m", "a shape of this size has no surface to touch",
     "give a length above zero", 0.0, above=True,
 )  # fmt: skip
 _NOT_NEGATIVE: Final = Domain(
-    "contact.size", "the {formula} is {value} m", "a sign is wrong", "give a length of 0 or more", 0.0
+    "contact.size", "a size of the shape is {value} m", "a sign is wrong", "give a length of 0 or more", 0.0
 )
 
 

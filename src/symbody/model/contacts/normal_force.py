@@ -21,7 +21,7 @@ RIGID: Final = "rigid"  # in place of a law
 GAP: Final = ("gap", "gap_rate")
 
 _STIFFNESS: Final = Domain(
-    "contact.domain", "the stiffness {formula} is {value}", "what touches is pushed apart",
+    "contact.domain", "the stiffness is {value}", "what touches is pushed apart",
     "give 0 or more, in N/m^exponent", 0.0,
 )  # fmt: skip
 _EXPONENT: Final = Domain(

@@ -11,7 +11,7 @@ import numpy as np
 from symbody.visual.film.camera import Camera
 from symbody.visual.film.drawing import Caption, Filled, Mark, Stroke
 from symbody.visual.film.facets import Floats
-from symbody.visual.film.palette import AXES, FORCE, TORQUE, Paper
+from symbody.visual.film.palette import AXES, CONTACT, FORCE, TORQUE, Paper, blend
 from symbody.visual.film.solid_facets import rotation_of
 from symbody.visual.film.stage import BodyPlaces
 from symbody.visual.film.text_metrics import text_width
@@ -24,7 +24,16 @@ TITLE: Final = 11.0
 MARGIN: Final = 14.0  # points from the rims
 _AXIS: Final = 24.0  # points: lengths of arrows in the corners
 _FRAME: Final = 0.075  # of the scene's size: lengths of axes of frames
-_LONGEST: Final = 0.28  # of the scene's size: the longest force
+_USUAL: Final = 0.25  # of the scene's size: forces as large as they are for all but a tenth of the time
+_LONGEST: Final = 0.5  # of the scene's size: longer arrows are cut off, such as those of impacts
+_SHARE: Final = 0.9  # of the time in which a force acts it is no larger than what sets the scale
+_NOTHING: Final = 1e-9  # of the largest magnitude
+_DOT: Final = 2.2  # points: the radius of a point of contact
+_PRINT: Final = 1.5  # points: of a footprint
+_SPACING: Final = (
+    0.025  # of the scene's size: points of contact that are nearer to the last print make no other
+)
+FADES: Final = 0.4  # of the motion's length, until a footprint has gone in a film
 _SHORT: Final = 0.12  # shares of an axis below this are seen as a point
 
 _HEAD: Final = 4.6  # lengths of a head, in widths of its line
@@ -54,13 +63,29 @@ def trace_marks(camera: Camera, paths: Sequence[Floats], colors: Sequence[str], 
 
 
 def vector_scales(motion: SceneMotion, size: float) -> dict[VectorKind, float]:
-    """Return the metres that are drawn for a newton and for a newton metre."""
+    """Return the metres that are drawn for a newton and for a newton metre.
+
+    The largest force that something bears for all but a tenth of the time in which it acts sets the scale:
+    the peak of an impact would make all else too short to be seen.
+    """
     scales: dict[VectorKind, float] = {}
     for vector in motion.vectors:
-        largest = float(np.linalg.norm(vector.values, axis=1).max())
-        if np.isfinite(largest) and largest > 0.0:
-            scales[vector.kind] = min(scales.get(vector.kind, np.inf), _LONGEST * size / largest)
+        usual = _usual_magnitude(vector.values, motion.times)
+        if np.isfinite(usual) and usual > 0.0:
+            scales[vector.kind] = min(scales.get(vector.kind, np.inf), _USUAL * size / usual)
     return scales
+
+
+def _usual_magnitude(values: Floats, times: Floats) -> float:
+    sizes = np.linalg.norm(values, axis=1)
+    spans = np.diff(times, prepend=times[0])
+    spans[:-1] += spans[1:]
+    acts = (sizes > _NOTHING * sizes.max()) & (spans > 0.0)
+    if not acts.any():
+        return float(sizes.max())
+    order = np.argsort(sizes[acts])
+    passed = np.cumsum(spans[acts][order])
+    return float(sizes[acts][order][np.searchsorted(passed, _SHARE * passed[-1])])
 
 
 def vector_marks(
@@ -69,20 +94,84 @@ def vector_marks(
     vectors: Sequence[MotionVector],
     k: int,
     scales: Mapping[VectorKind, float],
+    size: float,
 ) -> list[Mark]:
-    """Return the arrows of forces and torques at a sample; those of torques have two heads."""
+    """Return the arrows of forces and torques at a sample; those of torques have two heads.
+
+    Contacts that do not touch have none; the points of those that do are dots.
+    """
     marks: list[Mark] = []
     for vector in vectors:
         if vector.kind not in scales or not np.isfinite(vector.values[k]).all():
             continue
         at = pose.place(vector.anchor) if vector.places is None else vector.places[k]
-        ends = camera.project(np.stack([at, at + scales[vector.kind] * vector.values[k]]))[:, :2]
+        along = scales[vector.kind] * vector.values[k]
+        length = float(np.linalg.norm(along))
+        if vector.places is not None and length == 0.0:
+            continue
+        ends = camera.project(np.stack([at, at + along * min(1.0, _LONGEST * size / max(length, 1e-300))]))
         is_force = vector.kind == "force"
-        marks += arrow(ends[0], ends[1], FORCE if is_force else TORQUE, 1.8, 1 if is_force else 2)
+        color = color_of(vector)
+        marks += arrow(ends[0, :2], ends[1, :2], color, 1.8, 1 if is_force else 2)
+        if vector.places is not None:
+            marks.append(_dot(ends[0, :2], _DOT, color))
     return marks
 
 
-def legend_marks(camera: Camera, size: Size, paper: Paper, scales: Mapping[VectorKind, float]) -> list[Mark]:
+def color_of(vector: MotionVector) -> str:
+    """Return the colour of an arrow."""
+    if vector.kind == "torque":
+        return TORQUE
+    return CONTACT if vector.name.startswith("contact ") else FORCE
+
+
+def footprint_marks(
+    camera: Camera, motion: SceneMotion, time: float, size: float, paper: Paper, share: float
+) -> list[Mark]:
+    """Return where contacts have touched up to a time: dots, the fainter the older they are.
+
+    Parameters
+    ----------
+    share : float
+        Of the motion's length, after which they have gone.
+    """
+    lasts = share * float(motion.times[-1] - motion.times[0])
+    marks: list[Mark] = []
+    for vector in motion.vectors:
+        if not vector.prints or vector.places is None:
+            continue
+        for k in _prints(vector, size):
+            age = (time - float(motion.times[k])) / lasts if lasts > 0.0 else 0.0
+            if 0.0 <= age < 1.0:
+                at = camera.project(vector.places[k][np.newaxis])[0, :2]
+                marks.append(_dot(at, _PRINT * (1.0 - 0.5 * age), blend(CONTACT, paper.background, age)))
+    return marks
+
+
+def _prints(vector: MotionVector, size: float) -> list[int]:
+    """Return at which samples a contact makes a new print: where it begins to touch, and each so far."""
+    assert vector.places is not None
+    touches = np.linalg.norm(vector.values, axis=1) > 0.0
+    found: list[int] = []
+    for k in np.flatnonzero(touches):
+        goes_on = bool(found) and k > 0 and bool(touches[k - 1])
+        if not goes_on or np.linalg.norm(vector.places[k] - vector.places[found[-1]]) > _SPACING * size:
+            found.append(int(k))
+    return found
+
+
+def _dot(at: Floats, radius: float, color: str) -> Mark:
+    angles = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    return Filled(at + radius * np.column_stack([np.cos(angles), np.sin(angles)]), color)
+
+
+def legend_marks(
+    camera: Camera,
+    size: Size,
+    paper: Paper,
+    scales: Mapping[VectorKind, float],
+    vectors: Sequence[MotionVector],
+) -> list[Mark]:
     """Return how long forces and torques are drawn, above the lower right corner."""
     marks: list[Mark] = []
     for row, (kind, scale) in enumerate(sorted(scales.items())):
@@ -91,7 +180,8 @@ def legend_marks(camera: Camera, size: Size, paper: Paper, scales: Mapping[Vecto
         y = size[1] - MARGIN - 2.0 - 1.9 * SMALL * (row + 1)
         text = with_unit(value, "N" if kind == "force" else "N m")
         x = size[0] - MARGIN - text_width(text, SMALL) - 6.0
-        color, heads = (FORCE, 1) if kind == "force" else (TORQUE, 2)
+        heads = 1 if kind == "force" else 2
+        color = next(color_of(vector) for vector in vectors if vector.kind == kind)
         marks += arrow(np.array([x - length, y]), np.array([x, y]), color, 1.8, heads)
         marks.append(Caption((x + 6.0, y + 0.35 * SMALL), text, SMALL, paper.ink))
     return marks

@@ -22,6 +22,7 @@ CONNECTORS: Final[Mapping[str, str]] = {
 }
 FORCE: Final = "#c62f3b"
 TORQUE: Final = "#7a3fa0"
+CONTACT: Final = "#d81b7a"
 AXES: Final = ("#c8382e", "#2e8b45", "#2f63c2")  # x, y, z
 
 
@@ -46,6 +47,11 @@ def components(color: str) -> Floats:
 def color_text(color: Floats) -> str:
     """Return components from 0 to 1 as ``"#rrggbb"``."""
     return "#" + "".join(f"{int(round(255 * min(max(float(each), 0.0), 1.0))):02x}" for each in color)
+
+
+def blend(color: str, other: str, share: float) -> str:
+    """Return a colour between two, the first at 0."""
+    return color_text((1.0 - share) * components(color) + share * components(other))
 
 
 def edge_color(color: Floats) -> Floats:

@@ -97,7 +97,8 @@ def save_animation(
     shown = _still_times(run, times) if is_still else _film_times(run, times, rate, speed)
     scene = _scene(run)
     motion = _motion_at(run, scene, shown, vectors or "none")
-    track = _track(run, scene, shown, is_still) if traces else None
+    touches = any(vector.places is not None for vector in motion.vectors)
+    track = _track(run, scene, shown, is_still, vectors or "none") if traces or touches else None
     if is_still:
         write_still(scene, motion, target, look, track)
         return
@@ -144,10 +145,12 @@ def resample(motion: SceneMotion, times: Floats) -> SceneMotion:
     return SceneMotion(times, interpolate(motion.positions), quaternions, (), vectors, motion.events)
 
 
-def _track(run: Trajectory, scene: Scene, shown: Floats, is_still: bool) -> SceneMotion:
-    """Return the motion in steps fine enough for traces: of a picture all of it, of a film what it shows."""
+def _track(
+    run: Trajectory, scene: Scene, shown: Floats, is_still: bool, vectors: str | Sequence[str]
+) -> SceneMotion:
+    """Return the motion in steps fit for traces and footprints: of a picture all, of a film its part."""
     first, last = _range(run) if is_still else (float(shown[0]), float(shown[-1]))
-    return _motion_at(run, scene, np.linspace(first, last, _TRACK), "none")
+    return _motion_at(run, scene, np.linspace(first, last, _TRACK), vectors)
 
 
 def _still_times(run: Trajectory, times: ArrayLike | None) -> Floats:

@@ -10,7 +10,9 @@ import numpy as np
 
 from symbody.errors import Problem, UsageError, nearest
 from symbody.visual.film.annotations import (
+    FADES,
     corner_marks,
+    footprint_marks,
     frame_marks,
     heading_marks,
     legend_marks,
@@ -34,6 +36,7 @@ _MARGIN: Final = 44.0  # points around the mechanism
 _SMALL_MARGIN: Final = 0.13  # of the picture, where it is small
 
 _LOOSE: Final = ("free", "cartesian", "rectangular", "planar")  # joints that hold nothing in its place
+_HIGH: Final = 12.0  # times its size: what rises and falls less above its ground does so in a level picture
 _FAR: Final = 3.0  # times its own extent goes a mechanism that is followed
 
 
@@ -80,6 +83,10 @@ class Studio:
     ----------
     stage, motion, look, paper, backdrop
         What is drawn, when, and how.
+    track : SceneMotion
+        The same motion at other times, along which there are footprints.
+    size : float
+        By which arrows and footprints are drawn: that of the scene, or more where the picture shows more [m].
     scales : mapping
         Metres for a newton and a newton metre.
     trace_times : (M,) array
@@ -92,19 +99,24 @@ class Studio:
         Of printed times.
     followed : (3,) array, optional
         Of a mechanism that goes far, which the camera follows: where its centre of mass begins [m].
+    level : (3,) array, optional
+        Upwards, where a camera that follows stays level, so that what bounces does so above its ground.
     """
 
     stage: Stage
     motion: SceneMotion
+    track: SceneMotion
     look: Look
     paper: Paper
     backdrop: Backdrop
+    size: float
     scales: dict[VectorKind, float]
     trace_times: Floats
     traces: tuple[Floats, ...]
     trace_colors: tuple[str, ...]
     decimals: int
     followed: Floats | None
+    level: Floats | None
 
     def draw(
         self, samples: Sequence[int], until: float | None = None, before: Offsets | None = None
@@ -127,10 +139,13 @@ class Studio:
         if until is not None:
             last = int(np.searchsorted(self.trace_times, until, side="right"))
         marks: list[Mark] = [*strokes, *trace_marks(camera, self.traces, self.trace_colors, last)]
+        latest = float(self.motion.times[samples[-1]])
+        share = 1.0 if until is None else FADES  # a picture shows where all of its times have come from
+        marks += footprint_marks(camera, self.track, latest, self.size, self.paper, share)
         if self.look.frames:
             marks += frame_marks(scene, camera, poses[-1])
         for k, pose in zip(samples, poses, strict=True):
-            marks += vector_marks(camera, pose, self.motion.vectors, k, self.scales)
+            marks += vector_marks(camera, pose, self.motion.vectors, k, self.scales, self.size)
         offsets: Offsets = {}
         if self.look.labels:
             named = named_points(scene, poses[-1])
@@ -138,7 +153,7 @@ class Studio:
             names, offsets = place_labels(named, camera, painted, size, self.paper, corners, before)
             marks += names
         marks += corner_marks(scene, camera, size, self.paper)
-        marks += legend_marks(camera, size, self.paper, self.scales)
+        marks += legend_marks(camera, size, self.paper, self.scales, self.motion.vectors)
         stamp = time_text([float(self.motion.times[k]) for k in samples], self.decimals)
         marks += heading_marks(size, self.paper, self.look.title, stamp)
         return Drawing(size, self.paper.background, painted, tuple(marks)), offsets
@@ -149,6 +164,8 @@ class Studio:
         if self.followed is None:
             return before
         gone = centre_of(self.stage.scene, pose) - self.followed
+        if self.level is not None:
+            gone -= (gone @ self.level) * self.level
         camera = replace(before.camera, center=before.camera.center + gone)
         return make_backdrop(self.stage, camera, before.grid, before.paper, before.tone_width)
 
@@ -182,7 +199,7 @@ def make_studio(
     tone_width : float
         Of tones on curved surfaces [samples]; 0: they are smooth, which files of regions cannot say.
     track : SceneMotion, optional
-        The same motion at other times, for traces.
+        The same motion at other times, for traces and footprints.
     follows : bool
         Whether the camera follows what goes far; a picture of several times shows all of them.
 
@@ -206,12 +223,26 @@ def make_studio(
     grid = Grid((round(per_pixel * look.size[1]), width), width / size[0])
     paper = DARK if look.dark else LIGHT
     backdrop = make_backdrop(stage, camera, grid, paper.background, tone_width)
-    scales = vector_scales(motion, scene.size)
+    arrow_size = max(scene.size, 0.5 * _diagonal(reach))
+    scales = vector_scales(motion, arrow_size)
     bodies = [body.name for body in scene.bodies]
     colors = tuple(body_color(bodies.index(name.split(".")[0])) for name in look.traces)
     decimals = _decimals(motion.times)
     return Studio(
-        stage, motion, look, paper, backdrop, scales, track.times, traces, colors, decimals, followed
+        stage,
+        motion,
+        track,
+        look,
+        paper,
+        backdrop,
+        arrow_size,
+        scales,
+        track.times,
+        traces,
+        colors,
+        decimals,
+        followed,
+        level_direction(stage, poses),
     )
 
 
@@ -259,15 +290,28 @@ def carried_extent(stage: Stage, poses: Sequence[BodyPlaces]) -> tuple[Floats, F
         Where it is at first; None if the mechanism does not go far: then it is not followed.
     """
     first = centre_of(stage.scene, poses[0])
+    level = level_direction(stage, poses)
     ground = len(stage.ground.vertices)
     moved, carried = [], []
     for pose in poses:
         points = extent(stage, [pose])[ground:]
         moved.append(points)
-        carried.append(points - centre_of(stage.scene, pose) + first)
+        gone = centre_of(stage.scene, pose) - first
+        carried.append(points - gone if level is None else points - gone + (gone @ level) * level)
     ways, own = np.concatenate(moved), np.concatenate(carried)
     goes_far = not _is_tied(stage.scene) and _diagonal(ways) > _FAR * _diagonal(own) > 0.0
     return own, first if goes_far else None
+
+
+def level_direction(stage: Stage, poses: Sequence[BodyPlaces]) -> Floats | None:
+    """Return upwards where the ground is seen and the mechanism does not rise or fall far, else None."""
+    scene = stage.scene
+    if scene.gravity is None or not scene.bodies[0].solids:
+        return None
+    up = np.array(scene.up)
+    heights = [float(up @ centre_of(scene, pose)) for pose in poses]
+    own = extent(stage, poses[:1])[len(stage.ground.vertices) :]
+    return up if max(heights) - min(heights) < _HIGH * _diagonal(own) else None
 
 
 def _is_tied(scene: Scene) -> bool:

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from symbody.errors import Problem, UsageError, nearest
-from symbody.expr.language.formula import Formula
 from symbody.model.constraint import FrameConstraint
 from symbody.model.constraints import Rolling
 from symbody.model.contacts.contact import Contact
 from symbody.model.element import FrameRef
 from symbody.model.joint import Joint
+from symbody.model.joints.orientation import Free
 from symbody.model.loads.forces import Force, SpringDamper, Torque
 from symbody.model.model import Model
+from symbody.model.naming import GROUND
 from symbody.visual.scene.body_poses import Floats
 from symbody.visual.scene.scene import Anchor, MotionVector, Scene, VectorKind
 
-Outputs = Mapping[str, Floats]
+Triple = tuple[str, str, str]
 
 # So many forces and torques, applied or of contacts, are drawn without a word.
 _FEW: Final = 6
 # Forces and torques that never exceed this share of the largest are left out.
 _NOTHING: Final = 1e-9
+# The square of the length of a spring that is a point [m^2]: it has no direction.
+_POINT: Final = 1e-300
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Arrow:
     """A force or torque to be drawn.
 
@@ -36,20 +39,28 @@ class Arrow:
     ----------
     name, kind, anchor
         As in `MotionVector`.
-    outputs : tuple of str
-        What its values are made of.
-    values : callable
-        Makes components in ground's axes (N, 3) from these outputs.
-    places : callable, optional
-        Makes the points (N, 3) where it acts, in ground's axes, of a force that is fixed on no body.
+    values : (str, str, str)
+        Outputs: its components in ground's axes.
+    places : (str, str, str), optional
+        Outputs: where it acts, in ground's axes, of a force that is fixed on no body.
+    prints : bool
+        As in `MotionVector`.
+    is_modal : bool
+        Whether it depends on which contacts are closed and which joints stick, where that may change.
     """
 
     name: str
     kind: VectorKind
     anchor: Anchor
-    outputs: tuple[str, ...]
-    values: Callable[[Outputs], Floats]
-    places: Callable[[Outputs], Floats] | None = None
+    values: Triple
+    places: Triple | None = None
+    prints: bool = False
+    is_modal: bool = False
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """All outputs that it is made of."""
+        return (*self.values, *(self.places or ()))
 
 
 def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) -> list[Arrow]:
@@ -82,7 +93,9 @@ def arrows_of(model: Model, scene: Scene, chosen: str | Iterable[str] | None) ->
     return [arrow for arrow in every if arrow.name in names or _element(arrow) in names]
 
 
-def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[MotionVector, ...]:
+def vectors_of(
+    arrows: Sequence[Arrow], outputs: Mapping[str, Floats], size: float
+) -> tuple[MotionVector, ...]:
     """Return arrows with their values; those that are always zero, up to rounding, are left out.
 
     Parameters
@@ -90,7 +103,7 @@ def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[
     size : float
         Of the scene [m]: torques are compared with the largest force on an arm so long.
     """
-    values = [arrow.values(outputs) for arrow in arrows]
+    values = [_columns(arrow.values, outputs) for arrow in arrows]
     arms = [size if arrow.kind == "force" else 1.0 for arrow in arrows]
     sizes = [arm * float(np.abs(array).max(initial=0.0)) for arm, array in zip(arms, values, strict=True)]
     least = _NOTHING * max(sizes, default=0.0)
@@ -100,7 +113,8 @@ def vectors_of(arrows: Sequence[Arrow], outputs: Outputs, size: float) -> tuple[
             arrow.kind,
             arrow.anchor,
             array,
-            None if arrow.places is None else arrow.places(outputs),
+            None if arrow.places is None else _columns(arrow.places, outputs),
+            arrow.prints,
         )
         for arrow, array, large in zip(arrows, values, sizes, strict=True)
         if large > least
@@ -121,7 +135,8 @@ def _all_arrows(model: Model, scene: Scene) -> list[Arrow]:
     fixed = [part for part in model.constraints if isinstance(part, FrameConstraint)]
     links: list[Joint | FrameConstraint] = [*model.joints, *fixed]
     for link in links:
-        if not isinstance(link, Rolling):  # its point of contact is fixed on no body
+        # a point of rolling is fixed on no body, and a free joint holds nothing
+        if not isinstance(link, Rolling | Free):
             arrows += _reactions(link.name, link.start, anchors.anchor_at(link.end))
     return arrows
 
@@ -143,56 +158,41 @@ class _Anchors:
 
 
 def _applied_arrow(element: Force | Torque, kind: VectorKind, anchor: Anchor) -> Arrow:
-    components = [_output(formula) for formula in element.vector]
-    axes = _axes(element.resolved_in)
-
-    def values(outputs: Outputs) -> Floats:
-        return _rotate(outputs[axes], np.array([outputs[name] for name in components]))
-
-    return Arrow(f"{kind} {element.name}", kind, anchor, (*components, axes), values)
+    components = [f"({formula.text})" for formula in element.vector]
+    return Arrow(
+        f"{kind} {element.name}", kind, anchor, _turn_to_ground(_axes(element.resolved_in), components)
+    )
 
 
 def _spring_arrow(spring: SpringDamper, anchor: Anchor) -> Arrow:
-    line = f'frame r "{spring.end.full_name}" "{spring.start.full_name}" ground'
-    effort = f"effort {spring.name}"
-
-    def values(outputs: Outputs) -> Floats:
-        length = np.linalg.norm(outputs[line], axis=0)
-        direction = outputs[line] / np.where(length > 0.0, length, 1.0)
-        return (outputs[effort] * direction).T
-
-    return Arrow(f"spring {spring.name}", "force", anchor, (line, effort), values)
+    """Return the force of a spring on its end, along its line; none where both ends are in one point."""
+    line = [f'\'frame r "{spring.end.full_name}" "{spring.start.full_name}" ground {x}\'' for x in "xyz"]
+    square = " + ".join(f"{each}^2" for each in line)
+    x, y, z = (f"'effort {spring.name}'*{each}/sqrt(max({square}, {_POINT}))" for each in line)
+    return Arrow(f"spring {spring.name}", "force", anchor, (x, y, z))
 
 
 def _contact_arrow(contact: Contact, anchor: Anchor) -> Arrow:
     """Return the force of a contact on its end, from the point where it acts."""
-    force, point = f'contact_force "{contact.name}"', f'contact_point "{contact.name}"'
-    axes, home = f'frame R "{contact.name}"', _axes(contact.start)
-    origin = f'frame r "{contact.start.full_name}"'
-
-    def values(outputs: Outputs) -> Floats:
-        return _rotate(outputs[axes], outputs[force])
-
-    def places(outputs: Outputs) -> Floats:
-        return _rotate(outputs[home], outputs[point]) + outputs[origin].T
-
-    outputs = (force, axes, point, home, origin)
-    return Arrow(f"contact {contact.name}", "force", anchor, outputs, values, places)
+    force = [f"'contact_force \"{contact.name}\" {x}'" for x in "xyz"]
+    point = [f"'contact_point \"{contact.name}\" {x}'" for x in "xyz"]
+    origin = [f"'frame r \"{contact.start.full_name}\" {x}'" for x in "xyz"]
+    turned = _turn_to_ground(_axes(contact.start), point)
+    x, y, z = (f"{start} + {each}" for start, each in zip(origin, turned, strict=True))
+    values = _turn_to_ground(f'frame R "{contact.name}"', force)
+    prints = GROUND in (contact.start.body, contact.end.body)
+    name = f"contact {contact.name}"
+    return Arrow(name, "force", anchor, values, (x, y, z), prints, contact.is_rigid)
 
 
 def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:
-    axes, wrench = _axes(start), f'reaction "{name}"'
-
-    def force(outputs: Outputs) -> Floats:
-        return _rotate(outputs[axes], outputs[wrench][:3])
-
-    def moment(outputs: Outputs) -> Floats:
-        return _rotate(outputs[axes], outputs[wrench][3:])
-
-    needed = (wrench, axes)
+    axes = _axes(start)
+    force, torque = (
+        _turn_to_ground(axes, [f"'reaction \"{name}\" {letter}{x}'" for x in "xyz"]) for letter in "FM"
+    )
     return [
-        Arrow(f"reaction {name}", "force", anchor, needed, force),
-        Arrow(f"reaction {name}", "torque", anchor, needed, moment),
+        Arrow(f"reaction {name}", "force", anchor, force, is_modal=True),
+        Arrow(f"reaction {name}", "torque", anchor, torque, is_modal=True),
     ]
 
 
@@ -200,14 +200,18 @@ def _axes(address: FrameRef) -> str:
     return f'frame R "{address.full_name}"'
 
 
-def _output(formula: Formula) -> str:
-    return f"({formula.text})"
+def _turn_to_ground(matrix: str, components: Sequence[str]) -> Triple:
+    """Return components in ground's axes, from those in axes whose rotation matrix is an output."""
+    x, y, z = (
+        " + ".join(f"'{matrix} {row}{column}'*{each}" for column, each in zip("xyz", components, strict=True))
+        for row in "xyz"
+    )
+    return x, y, z
 
 
-def _rotate(matrices: Floats, components: Floats) -> Floats:
-    """Return vectors (N, 3) in ground's axes from components (3, N) in others, matrices (3, 3, N)."""
-    turned: Floats = np.einsum("ijn,jn->ni", matrices, components)
-    return turned
+def _columns(names: Triple, outputs: Mapping[str, Floats]) -> Floats:
+    """Return outputs (N,) side by side, (N, 3)."""
+    return np.stack([outputs[name] for name in names], axis=-1)
 
 
 def _unknown_name(name: str, known: Iterable[str]) -> Problem:

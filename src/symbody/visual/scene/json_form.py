@@ -32,7 +32,8 @@ def motion_to_json(motion: SceneMotion) -> dict[str, Any]:
     vectors = [
         {"name": vector.name, "kind": vector.kind, "anchor": _round(vector.anchor),
          "values": encode_array(vector.values),
-         "places": None if vector.places is None else encode_array(vector.places)}
+         "places": None if vector.places is None else encode_array(vector.places),
+         "prints": True if vector.prints else None}
         for vector in motion.vectors
     ]  # fmt: skip
     return {

@@ -212,6 +212,8 @@ class MotionVector:
         Components in ground's axes.
     places : (N, 3) array, optional
         Where it acts in ground's axes, if that moves on its body, as points of contact do [m].
+    prints : bool
+        Whether it leaves footprints there: of a contact with the ground.
     """
 
     name: str
@@ -219,6 +221,7 @@ class MotionVector:
     anchor: Anchor
     values: Floats
     places: Floats | None = None
+    prints: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -249,7 +249,7 @@ def animate(
     if isinstance(run, EquationSet):
         motion = (initial or {}, parameters or {}, inputs or {}, (), (), integrator, constraints, rtol)
         request = MotionRequest(*motion, events=check_events(events, run))
-        return live_mechanism(run, sliders, title, target, options, request)
+        return live_mechanism(run, sliders, title, target, options, request, vectors)
     animation = make_animation(run, curves, vectors, traces, times, title, model, options)
     return LiveAnimation(new_widget(animation.data)) if live else _present(animation, target)
 
@@ -270,11 +270,12 @@ def live_mechanism(
     path: Path | None,
     options: Mapping[str, Any],
     request: MotionRequest,
+    vectors: str | Sequence[str] | None = None,
 ) -> LiveAnimation | LivePage:
     """Return a mechanism with sliders, and write its page if a path is given; see `animate`."""
     if path is not None:
         _check_options(options)
-        page = make_live_page(eqs, slider_bounds(sliders), request, title, options)
+        page = make_live_page(eqs, slider_bounds(sliders), request, title, options, vectors)
         write_page(path, page.html)
         return page
     if request != MotionRequest():

@@ -14,6 +14,7 @@ import numpy as np
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_page import equation_operations, equations_page
+from symbody.equations.solving.modal_equations import modal_equations
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name
@@ -29,9 +30,10 @@ from symbody.simulation.programs.javascript_simulation import (
 from symbody.simulation.programs.motion_request import MotionRequest, branch_problem
 from symbody.simulation.simulate import simulate
 from symbody.visual.scene import coordinate_courses, make_motion, make_scene, scene_to_json
-from symbody.visual.scene.body_poses import chain_of
+from symbody.visual.scene.body_poses import Chain, chain_of
+from symbody.visual.scene.force_arrows import Arrow, arrows_of
 from symbody.visual.scene.json_form import encode_array
-from symbody.visual.scene.scene import Scene
+from symbody.visual.scene.scene import MotionVector, Scene
 from symbody.visual.viewer.page import PageData, fill_page, page_data
 from symbody.visual.viewer.still import run_of_state
 
@@ -46,6 +48,7 @@ _PREVIEW: Final = 8.0  # seconds of the motion that the picture has to hold
 _MOST_STEPS: Final = 20_000
 _PULL: Final = 4.0  # times the frequency of a pendulum as long as the mechanism: of a held body on its spring
 _FREQUENCIES: Final = (6.0, 100.0)  # [rad/s]
+_ZEROS: Final = ("(0)", "(0)", "(0)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +130,7 @@ def make_live_page(
     request: MotionRequest,
     title: str | None,
     options: Mapping[str, Any],
+    vectors: str | Sequence[str] | None = None,
 ) -> LivePage:
     """Return a mechanism that its page simulates.
 
@@ -137,6 +141,8 @@ def make_live_page(
         sides, an input its value, an angle half a turn, all else one unit.
     request : MotionRequest
         The motion; parameters and inputs with a slider are added.
+    vectors : str or sequence of str, optional
+        Forces and torques that are drawn, as for `make_motion`.
 
     Raises
     ------
@@ -159,7 +165,8 @@ def make_live_page(
     )
     values = {name: float(value) for name, value in resolve_parameters(eqs.model, request.parameters).items()}
     scene = make_scene(eqs.model, values)
-    view = PageView(chain.outputs, chain.parents, chain.order, *_spring(scene))
+    arrows = _steady_arrows(eqs, arrows_of(eqs.model, scene, vectors))
+    view = PageView(*_with_arrows(chain, arrows), *_spring(scene))
     program = javascript_simulation(eqs, request, view)
     first = program.motion.first
     begins = {**values, **first.q, **first.u, **pushed}
@@ -167,6 +174,7 @@ def make_live_page(
     courses = _courses(eqs, request, pushed, first)
     scene = make_scene(eqs.model, values, courses)
     motion = make_motion(run_of_state(first), scene, curves=(), vectors="none")
+    motion = replace(motion, vectors=tuple(_arrow_to_come(arrow) for arrow in arrows))
     name = title or eqs.model.name
     data = page_data(scene, motion, name, options)
     tables = list(_scene_tables(eqs.model, values, courses, controls))
@@ -266,6 +274,35 @@ def _courses(
     if run.t.size < 2:
         return {name: np.array([value]) for name, value in first.q.items()}
     return coordinate_courses(run)
+
+
+def _steady_arrows(eqs: EquationSet, arrows: Sequence[Arrow]) -> list[Arrow]:
+    """Return the arrows that a page can compute: those that depend on modes where these cannot change."""
+    changes = bool(modal_equations(eqs).modes)
+    return [arrow for arrow in arrows if not (changes and arrow.is_modal)]
+
+
+def _with_arrows(
+    chain: Chain, arrows: Sequence[Arrow]
+) -> tuple[tuple[str, ...], tuple[int, ...], tuple[int, ...]]:
+    """Return the outputs, parents and order of a `PageView` of bodies, after which come arrows.
+
+    To the page an arrow is one more frame on ground: in the place where it acts, 0 where that is fixed on a
+    body, and with its components in the first row of its axes.
+    """
+    bodies = len(chain.names)
+    places = [name for arrow in arrows for name in (arrow.places or _ZEROS)]
+    axes = [name for arrow in arrows for name in (*arrow.values, *_ZEROS, *_ZEROS)]
+    outputs = (*chain.outputs[:bodies], *places, *chain.outputs[bodies:], *axes)
+    order = (*chain.order, *range(bodies, bodies + len(arrows)))
+    return outputs, (*chain.parents, *([-1] * len(arrows))), order
+
+
+def _arrow_to_come(arrow: Arrow) -> MotionVector:
+    """Return an arrow whose values the page computes."""
+    nothing = np.zeros((1, 3))
+    places = nothing if arrow.places else None
+    return MotionVector(arrow.name, arrow.kind, arrow.anchor, nothing, places, arrow.prints)
 
 
 def _spring(scene: Scene) -> tuple[float, float]:

@@ -15,14 +15,17 @@ from symbody.model.element import FrameRef
 from symbody.model.naming import GROUND
 from symbody.visual.scene.basis import SceneBasis
 from symbody.visual.scene.fixed_shape import GLASS, MARK, RUBBER, FixedShape, ball, fixed_shape, mesh_shape
+from symbody.visual.scene.freedoms import PARALLEL
 from symbody.visual.scene.poses import RigidTransform
 from symbody.visual.scene.scene import Floats, SceneMesh
 from symbody.visual.scene.shapes.meshes import hollow_prism, prism, ring
 from symbody.visual.scene.shapes.wheels import ball_with_marks
+from symbody.visual.scene.view import plane_normal
 
-# Cells of a ground along each side, its side in sizes of the mechanism, corners of round outlines.
-_CELLS: Final = 48
-_GROUND: Final = 3.0
+# Sides of a ground, of its cells and of the strip of it below a planar mechanism, in sizes of the mechanism;
+# the least and the largest number of cells along a side; corners of round outlines.
+_GROUND, _CELL, _STRIP = 3.0, 0.06, 0.4
+_CELLS: Final = (12, 600)
 _CORNERS: Final = 96
 
 Maker = Callable[[SceneBasis, str, Floats, RigidTransform], list[FixedShape]]
@@ -125,12 +128,19 @@ def _height(
     """Return the surface of a ground of given height about where the other body comes."""
     course = basis.course(at, other)[:, :2]
     low, high = course.min(axis=0), course.max(axis=0)
-    half = 0.5 * max(_GROUND * basis.size, 1.5 * float((high - low).max()))
-    middle = 0.5 * (low + high)
-    x, y = np.meshgrid(*(np.linspace(each - half, each + half, _CELLS + 1) for each in middle), indexing="ij")
+    sides = np.maximum(_GROUND * basis.size, 1.25 * (high - low))
+    normal = plane_normal(basis)
+    if normal is not None:  # what is across the plane would cover the wheels
+        sides[np.abs(normal @ basis.frames[at].axes[:, :2]) > 1.0 - PARALLEL] = _STRIP * basis.size
+    counts = np.clip(np.ceil(sides / (_CELL * basis.size)), *_CELLS).astype(int)
+    lines = [
+        np.linspace(mean - 0.5 * side, mean + 0.5 * side, count + 1)
+        for mean, side, count in zip(0.5 * (low + high), sides, counts, strict=True)
+    ]
+    x, y = np.meshgrid(*lines, indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel()])
     heights = basis.numbers.samples(shape.sizes, ("x", "y"), points)[:, 0]
-    corner = np.arange((_CELLS + 1) ** 2).reshape(_CELLS + 1, _CELLS + 1)
+    corner = np.arange(x.size).reshape(x.shape)
     a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
     triangles = np.vstack([np.stack(each, axis=-1).reshape(-1, 3) for each in ((a, b, c), (a, c, d))])
     triangles = triangles[np.isfinite(heights)[triangles].all(axis=1)]

@@ -30,9 +30,11 @@ from symbody.visual.scene.poses import RigidTransform, rotation_matrix
 from symbody.visual.scene.scene import Floats
 from symbody.visual.scene.shapes.level_surface import level_surface
 from symbody.visual.scene.shapes.meshes import prism, tube
+from symbody.visual.scene.view import plane_normal
 
 # Sides of planes that something rolls on, and that a point slides on, in sizes of the mechanism.
 _FLOOR, _PATCH, _LINE, _REACH = 3.0, 1.2, 1.4, 0.8
+_STRIP: Final = 0.4  # of the mechanism's size: how wide a plane is drawn that is seen along itself
 _SAMPLES: Final = 160
 _CELLS: Final = 22
 
@@ -66,6 +68,7 @@ def floor_shapes(basis: SceneBasis, given: Mapping[str, Sequence[FixedShape]]) -
         Those of the model: a plane that is a face of one of them is not drawn again.
     """
     floors: list[_Floor] = []
+    normal = plane_normal(basis)
     for floor in _all_floors(basis):
         for k, other in enumerate(floors):
             if other.body == floor.body and _are_coplanar(other.where, floor.where, basis.rod):
@@ -74,7 +77,7 @@ def floor_shapes(basis: SceneBasis, given: Mapping[str, Sequence[FixedShape]]) -
         else:
             floors.append(floor)
     return [
-        _patch(basis, floor.body, floor.element, floor.where, floor.points, _FLOOR * basis.size)
+        _patch(basis, floor.body, floor.element, floor.where, floor.points, _FLOOR * basis.size, normal)
         for floor in floors
         if not any(_has_face(shape, floor.where, basis.rod) for shape in given.get(floor.body, ()))
     ]
@@ -127,9 +130,25 @@ def _are_coplanar(plane: RigidTransform, other: RigidTransform, thickness: float
 
 
 def _patch(
-    basis: SceneBasis, body: str, element: str, where: RigidTransform, course: Floats, side: float
+    basis: SceneBasis,
+    body: str,
+    element: str,
+    where: RigidTransform,
+    course: Floats,
+    side: float,
+    normal: Floats | None = None,
 ) -> FixedShape:
-    """Return a translucent square in the plane z = 0 of a frame, about points (N, 3) of the body."""
+    """Return a translucent square in the plane z = 0 of a frame, about points (N, 3) of the body.
+
+    Of a planar mechanism, whose `normal` is given, a plane that is seen along itself is a narrow strip: the
+    near part of a square would cover the feet of what stands on it.
+    """
+    strip = 0.0
+    if normal is not None and abs(float(normal @ where.axes[:, 2])) < PARALLEL:
+        strip = min(side, _STRIP * basis.size)
+        z_axis = where.axes[:, 2]
+        along = np.cross(normal, z_axis)
+        where = RigidTransform(where.at, np.column_stack([along, np.cross(z_axis, along), z_axis]))
     thickness = 0.15 * basis.rod
     inside = where.inverse().point(course)[:, :2]
     low, high = inside.min(axis=0), inside.max(axis=0)
@@ -137,7 +156,7 @@ def _patch(
     x, y = 0.5 * (low + high)
     centre = shift_frame(where, float(x), float(y), -0.5 * thickness)
     color = GROUND_COLOR if body == GROUND else ""
-    return fixed_shape(body, element, "box", (side, side, thickness), centre, color, GLASS)
+    return fixed_shape(body, element, "box", (side, strip or side, thickness), centre, color, GLASS)
 
 
 def line_shapes(basis: SceneBasis, element: PointOnLine) -> list[FixedShape]:
