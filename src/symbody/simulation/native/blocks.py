@@ -39,7 +39,14 @@ def make_block(
 
     Blocks of one size differ in a few numbers, which are written into a copy of the first one.
     """
-    shape = x.size, rhs.n_u, _sizes(rhs), _sizes(projector), projector.n_q, projector.scales.size
+    shape = (
+        x.size,
+        rhs.n_u,
+        function_sizes(rhs),
+        function_sizes(projector),
+        projector.n_q,
+        projector.scales.size,
+    )
     key = tableau, goal.breaks.tobytes(), shape, projector.out_size
     block = _TEMPLATES.get(key, lambda: _first_block(rhs, projector, tableau, goal.breaks, x)).copy()
     run = Run(block)
@@ -48,16 +55,17 @@ def make_block(
     aim.direction, aim.rtol, aim.max_step = goal.direction, goal.rtol, goal.max_step
     aim.max_trials, aim.stop_when_stiff = goal.max_trials, goal.stop_when_stiff
     _write((run.state_old, x), (run.tolerances, goal.atol))
-    _write_numbers(run.numbers, rhs)
+    write_numbers(run.numbers, rhs)
     if projector.address:
         projection = run.projection
         projection.limit, projection.rounding = projector.limit, projector.rounding
         _write((projection.scales, projector.scales), (projection.sizes, projector.sizes))
-        _write_numbers(projection.numbers, projector)
+        write_numbers(projection.numbers, projector)
     return block
 
 
-def _sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
+def function_sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
+    """Return how many numbers of each kind a function takes."""
     tables = function.tables.size if isinstance(function, RightHandSide) else int(bool(function.address))
     groups = function.inputs.size, function.parameters.size, function.constants.size
     return *groups, function.work_size, tables
@@ -77,7 +85,7 @@ def _first_block(
     )  # fmt: skip
 
 
-def _write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:
+def write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:
     """Write the arguments of a function over those of another one of the same sizes."""
     groups = (
         (numbers.inputs, function.inputs),
