@@ -169,8 +169,7 @@ def make_goal(
     """Return the goal of a motion over a span; its steps are not limited in number."""
     direction = 1.0 if span[1] >= span[0] else -1.0
     longest = math.inf if max_step is None else float(max_step)
-    breaks = np.column_stack(breakpoints.order_along(direction)).astype(np.float64)
-    return Goal(span[1], direction, rtol, atol, longest, 0, False, breaks)
+    return Goal(span[1], direction, rtol, atol, longest, 0, False, breakpoints.rows_along(direction))
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

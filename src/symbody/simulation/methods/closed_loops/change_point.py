@@ -129,7 +129,6 @@ def integrate_on_branch(motion: Motion) -> Integration:
     if isinstance(constraints, Partition):
         run = integrate_motion(motion)
         return run if follows or not run.raw.status.success else _judge_passages(motion, run)
-    by_partition = replace(motion, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(motion.integrator, Explicit | None)
     if follows and is_replaceable:
         return integrate_by_partition(motion)
@@ -147,7 +146,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
     is_plain = run.raw.status.success and passages is None
     end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
-        second = _integrate_again(by_partition)
+        second = _integrate_again(replace(motion, constraints=_PARTITION))
         if second.raw.status.success:
             return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
