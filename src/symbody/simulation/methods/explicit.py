@@ -19,12 +19,11 @@ from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
+from symbody.simulation.native.description import NO_TABLES, Goal, HeldValues, Projector, RightHandSide, Watch
 from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, fresh_record, run_loop
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
-from symbody.simulation.native.segments import HeldValues, Watch
 
 Floats = NDArray[np.float64]
 
