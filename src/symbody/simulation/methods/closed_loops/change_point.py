@@ -398,7 +398,7 @@ Places = NDArray[np.int64]
 
 # In so many steps a least singular value must not change by as much as itself: what a step of order 4 is off
 # by goes with the fourth power of this.
-_STEPS: Final = 4.0
+_RESOLVING: Final = 4.0
 # Places that are looked at first; around so many of the lowest ones every step is.
 _PLACES: Final = 200
 _LOWEST: Final = 8
@@ -449,4 +449,4 @@ def are_unresolved(least: Floats) -> NDArray[np.bool_]:
     """Return a mask of the steps' ends at which a singular value changes too fast for its size."""
     changes = np.abs(np.diff(least))
     beside = np.maximum(np.append(changes, 0.0), np.append(0.0, changes))
-    return np.asarray(least < _STEPS * beside, dtype=np.bool_)
+    return np.asarray(least < _RESOLVING * beside, dtype=np.bool_)
