@@ -148,7 +148,8 @@ class EventFunctions:
 
     @property
     def _sizes_of_states(self) -> Floats:
-        return self.metric.reshape(-1, self.metric.shape[-1])[0]
+        sizes: Floats = self.metric.reshape(-1, self.metric.shape[-1])[0]
+        return sizes
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.

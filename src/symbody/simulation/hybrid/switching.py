@@ -426,7 +426,8 @@ def place_scales(switch: ModeSwitch, scales: Scales, eqs: EquationSet) -> None:
     """Write the sizes of a mechanism over those with which `mode_block` was called."""
     switch.length, switch.time, switch.fastest = scales.length, scales.time, 1.0 / scales.time
     units = np.where(np.asarray(switch.are_lengths) != 0.0, scales.length, 1.0)
-    switch.units[:], switch.sizes[:] = units, scales.displacements(eqs)
+    np.asarray(switch.units)[:] = units
+    np.asarray(switch.sizes)[:] = scales.displacements(eqs)
     for element in switch.elements:
         element.unit = float(units[element.candidate])
 

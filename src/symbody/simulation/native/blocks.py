@@ -79,10 +79,11 @@ def _template(
         numbers=function_numbers(rhs), projection=_projection(projector) if projector.address else None,
     )  # fmt: skip
     run = Run(block)
-    fields = [run.state_old, run.tolerances, *_fields(run.numbers, rhs)]
+    fields = [np.asarray(run.state_old), np.asarray(run.tolerances), *_fields(run.numbers, rhs)]
     if projector.address:
         projection = run.projection
-        fields += [projection.scales, projection.sizes, *_fields(projection.numbers, projector)]
+        fields += [np.asarray(projection.scales), np.asarray(projection.sizes)]
+        fields += _fields(projection.numbers, projector)
     begins = [(field.ctypes.data - block.ctypes.data) // block.itemsize for field in fields]
     return block, [slice(k, k + field.size) for k, field in zip(begins, fields, strict=True)]
 
@@ -95,10 +96,10 @@ def _groups(function: RightHandSide | Projector) -> list[Floats]:
 
 def _fields(numbers: FunctionNumbers, function: RightHandSide | Projector) -> list[Floats]:
     """Return where these arguments stand, views."""
-    fields = [numbers.inputs, numbers.parameters, numbers.constants]
+    fields = [np.asarray(field) for field in (numbers.inputs, numbers.parameters, numbers.constants)]
     if isinstance(function, RightHandSide):
-        fields.append(numbers.tables[: function.tables.size])
-    return [np.asarray(field) for field in fields]
+        fields.append(np.asarray(numbers.tables)[: function.tables.size])
+    return fields
 
 
 def write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:

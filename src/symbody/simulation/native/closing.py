@@ -97,7 +97,8 @@ def metric(eqs: EquationSet, scales: Scales) -> Floats:
 def place_sizes(block: AssemblyProblem, sizes: Floats, share: float) -> None:
     """Write into a closing what counts as large, see `metric`, and by which share of that it is closed."""
     states = block.speeds + block.coordinates
-    block.sizes[:states], block.scales[:] = sizes[:states], sizes[states:]
+    np.asarray(block.sizes)[:states] = sizes[:states]
+    np.asarray(block.scales)[:] = sizes[states:]
     block.share = block.enough = math.sqrt(max(block.residuals, 1)) * share
 
 
