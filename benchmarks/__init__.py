@@ -11,6 +11,7 @@
     python -m benchmarks record           what README and pages show beside others, into record.json and them
     python -m benchmarks render           the tables of README and pages, from record.json
     python -m benchmarks overhead         what stands around the loop: first, repeated and short motions
+    python -m benchmarks second_calls     what simulate costs when it is called again, and how many files run
     python -m benchmarks sweep            many motions, by one thread and by two
     python -m benchmarks --help           sizes, time limit, number of rounds
 

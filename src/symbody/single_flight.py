@@ -11,19 +11,22 @@ from collections.abc import Callable, Hashable
 from functools import wraps
 from threading import RLock
 from typing import Any, Final, Generic, TypeVar
-from weakref import WeakSet
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
 
-# All locks of the package that are alive. The class of an RLock has no public name.
-_LOCKS: Final[WeakSet[Any]] = WeakSet()
+# Locks of the process, which are never dropped. The class of an RLock has no public name.
+_LOCKS: Final[list[Any]] = []
+_FORKS: Final = [0]  # how many lie between this process and the one that imported the package
 
 
 def fork_safe_lock() -> Any:
-    """Return a reentrant lock that is free in a forked process, where the thread that held it is missing."""
+    """Return a reentrant lock that is free in a forked process, where the thread that held it is missing.
+
+    It lives as long as the process.
+    """
     lock = RLock()
-    _LOCKS.add(lock)
+    _LOCKS.append(lock)
     return lock
 
 
@@ -32,6 +35,7 @@ _FIRST: Final = fork_safe_lock()
 
 
 def _free_locks() -> None:
+    _FORKS[0] += 1
     for lock in _LOCKS:
         if not lock._is_owned():  # by the thread that forked, which goes on in the new process
             lock._at_fork_reinit()
@@ -50,11 +54,12 @@ class SingleFlight(Generic[Key, Value]):
         How many values are kept; the oldest go.
     """
 
-    __slots__ = ("_lock", "_most", "_values")
+    __slots__ = ("_forks", "_lock", "_most", "_values")
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
         self._lock: Any = None  # many of these never hold a value
+        self._forks = 0
         self._values: dict[Key, Value] = {}
 
     def get(self, key: Key, make: Callable[[], Value]) -> Value:
@@ -66,7 +71,7 @@ class SingleFlight(Generic[Key, Value]):
             return self._values[key]
         except KeyError:
             pass
-        with self._lock or self._make_lock():
+        with self._lock if self._forks == _FORKS[0] and self._lock else self._make_lock():
             if key not in self._values:
                 value = make()
                 while self._most is not None and len(self._values) >= self._most:
@@ -75,9 +80,12 @@ class SingleFlight(Generic[Key, Value]):
             return self._values[key]
 
     def _make_lock(self) -> Any:
+        """Return a lock, another one where a thread held it that is missing in this forked process."""
         with _FIRST:
-            if self._lock is None:
-                self._lock = fork_safe_lock()
+            is_stale = self._forks != _FORKS[0] and self._lock is not None and not self._lock._is_owned()
+            if self._lock is None or is_stale:
+                self._lock = RLock()
+            self._forks = _FORKS[0]
             return self._lock
 
     def peek(self, key: Key) -> Value | None:

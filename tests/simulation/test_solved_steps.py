@@ -7,7 +7,7 @@ import pytest
 
 import symbody as sb
 from symbody.formats import model_from_toml
-from symbody.simulation.methods.implicit.solved_steps import SHARE_OF_STEP, WRONG, SolvedSteps
+from symbody.simulation.methods.implicit.stiff import SHARE_OF_STEP, WRONG, SolvedSteps
 from symbody.simulation.methods.stepping import SHARES
 from tests.simulation.loops import pushed_mass
 

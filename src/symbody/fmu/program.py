@@ -169,7 +169,8 @@ class FmuProgram:
             return nothing
         n, modes = len(eqs.state_names) + 1, len(self.modal.modes)
         numbers = WatchNumbers(n, len(eqs.speed_names), nothing, nothing, nothing)
-        made = make_watch_block(numbers_of_events(eqs, watched, self.functions["indicators"]), numbers)
+        events = numbers_of_events(eqs, watched, lambda: self.functions["indicators"].sequence)
+        made = make_watch_block(events, numbers)
         monitor = EventMonitor(made)
         monitor.direction, monitor.span, monitor.happened_room = 1.0, SPAN, self.happened_room
         monitor.piece_rows = Run(self.block()).method.dense_rows

@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from symbody.equations.solving.modal_equations import switches
 from symbody.simulation.co_simulation.held_inputs import HeldInputs
 from symbody.simulation.events.events import EventSide
 from symbody.simulation.execution import MotionPiece, execute
@@ -30,7 +31,6 @@ from symbody.simulation.hybrid.switching import (
     SwitchingModes,
     check_backwards,
     check_strike,
-    switching_modes,
 )
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.methods.closed_loops.change_point import samples_on_the_way
@@ -91,19 +91,22 @@ def drive(motion: Motion, inputs: Mapping[str, object] | None = None) -> Driven:
     if isinstance(motion.integrator, MoreauJean):
         motion = with_impulses(motion)
     problem, span, x = motion.problem, motion.span, motion.state
-    motion = replace(motion, jumps=jump_times(motion.moving_problem, x, span))
+    jumps = jump_times(motion.moving_problem, x, span)
+    if jumps.times:
+        motion = replace(motion, jumps=jumps)
     if motion.impulses is not None:
-        check_jumps(motion.jumps)
+        check_jumps(jumps)
     fmus = {name: law for name, law in (inputs or {}).items() if isinstance(law, FmuInput)}
     sampler = None if problem.sampler is None or samples_on_the_way(motion) else problem.sampler
+    has_modes = motion.impulses is None and switches(problem.eqs.formed)
+    if not (has_modes or fmus) and sampler is None:  # the compiled loop does all that happens
+        piece = execute(motion)
+        run = with_jump_notes(piece.run, problem, piece.jumps)
+        return Driven(with_impulse_notes(run, motion.impulses), problem, piece.sides)
     with ExitStack() as stack:
         held = HeldInputs(problem, fmus, span, x, stack, sampler)
-        pieces = _MotionByPieces(motion, held)
-        if not pieces.has_instants:
-            piece = execute(motion)
-            run = with_jump_notes(piece.run, problem, piece.jumps)
-            return Driven(with_impulse_notes(run, motion.impulses), problem, piece.sides)
-        return pieces.go()
+        modes = SwitchingModes(held.problem) if has_modes else None
+        return _MotionByPieces(motion, held, modes).go()
 
 
 class _MotionByPieces:
@@ -115,12 +118,13 @@ class _MotionByPieces:
         The whole of it.
     held : HeldInputs
         What is sampled between pieces.
+    modes : SwitchingModes or None
+        Decides which joints stick and which gaps are closed.
     """
 
-    def __init__(self, motion: Motion, held: HeldInputs) -> None:
-        self._motion, self._held = motion, held
+    def __init__(self, motion: Motion, held: HeldInputs, modes: SwitchingModes | None) -> None:
+        self._motion, self._held, self._modes = motion, held, modes
         self._pieces = Pieces(motion)
-        self._modes = switching_modes(held.problem) if motion.impulses is None else None
         self._integrator = motion.integrator
         self._decided = 0  # rows of the record of modes where the piece begins
         self._changes: list[float] = []
@@ -128,11 +132,6 @@ class _MotionByPieces:
             check_backwards(motion.span)
         if self._modes is not None and motion.jumps.times:
             check_strike(motion.problem.eqs.formed, motion.jumps.times[0])
-
-    @property
-    def has_instants(self) -> bool:
-        """Whether anything happens that the compiled loop does not do."""
-        return self._modes is not None or bool(np.isfinite(self._held.due))
 
     def go(self) -> Driven:
         """Return the whole motion."""

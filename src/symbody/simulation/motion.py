@@ -101,7 +101,7 @@ class Motion:
     first_modes: Floats | None = None
     jumps: PlannedJumps = NO_JUMPS
     impulses: ImpulsiveContacts | None = None
-    _kept: SingleFlight[str, Floats] = field(default_factory=SingleFlight, init=False, repr=False)
+    _tolerances: list[Floats] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "span", check_span(self.span))
@@ -135,9 +135,9 @@ class Motion:
     @property
     def tolerances(self) -> Floats:
         """The absolute tolerance of each speed and coordinate (n_u + n_q,)."""
-        return self._kept.get(
-            "tolerances", lambda: self.problem.scales.tolerances(self.eqs, self.state, self.atol)
-        )
+        if not self._tolerances:  # two threads may both compute them
+            self._tolerances.append(self.problem.scales.tolerances(self.eqs, self.state, self.atol))
+        return self._tolerances[0]
 
     @property
     def n_u(self) -> int:

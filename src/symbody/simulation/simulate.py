@@ -9,7 +9,7 @@ from typing import Any, Final, get_args
 
 from numpy.typing import ArrayLike
 
-from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.assembly import find_first_state
 from symbody.analysis.named_values import check_mappings
 from symbody.analysis.redundancy import undetermined_outputs
 from symbody.analysis.scales import mechanism_scales
@@ -34,8 +34,7 @@ from symbody.simulation.progress import show_progress
 from symbody.simulation.results.checks import start_notes
 from symbody.simulation.results.provenance import provenance_of
 from symbody.simulation.results.trajectory import Trajectory
-from symbody.simulation.sampling.held_signals import HeldSignals, held_signals
-from symbody.simulation.sampling.later_samples import sample_later
+from symbody.simulation.sampling.held_signals import HeldSignals, held_signals, sample_later
 from symbody.simulation.simulation_problem import SimulationProblem
 
 _INTEGRATORS: Final = get_args(Integrator)
@@ -117,7 +116,8 @@ def simulate(
     >>> run.units["x_dot"], abs(run.energy_drift) < 1e-8
     ('m/s', True)
     """
-    check_arguments(eqs, t_end, integrator, constraints, initial=initial, guess=guess, inputs=inputs)
+    by_name = {"initial": initial, "guess": guess, "inputs": inputs, "parameters": parameters}
+    check_arguments(eqs, t_end, integrator, constraints, **by_name)
     exact, near = by_priority(initial or {}, guess or {})
     span = t_end if isinstance(t_end, tuple) else (0.0, t_end)
     watched, inputs = check_events(events, eqs), {**laws_of_tables(eqs), **(inputs or {})}
@@ -126,10 +126,8 @@ def simulate(
     laws = input_laws(eqs.input_names, inputs, span, len(eqs.coordinate_names), has_fmus=True)
     with show_progress(progress, "motion") as show:
         given: Any = {"parameters": parameters, "inputs": laws.formulas, "t": span[0], "scales": scales}
-        is_impulsive = isinstance(integrator, MoreauJean)
-        first = (
-            assemble_open(eqs, exact, near, **given) if is_impulsive else assemble(eqs, exact, near, **given)
-        )
+        find = assemble_open if isinstance(integrator, MoreauJean) else find_first_state
+        first = find(eqs, exact, near, **given)
         problem = pose_problem(eqs, span, parameters or {}, laws, scales, constraints, first)
         problem = held.pose(problem, watched)
         notes = _input_notes(problem, inputs, atol, rtol) + start_notes(problem, first, {**near, **exact})

@@ -129,6 +129,26 @@ def assemble(
     check_mappings(fixed=fixed, guess=guess, parameters=parameters, inputs=inputs, ranges=ranges)
     check_pairs(ranges or {})
     exact, near = by_priority(fixed or {}, guess or {})
+    return find_first_state(eqs, exact, near, parameters, inputs, t, ranges, scales)
+
+
+def find_first_state(
+    eqs: EquationSet,
+    exact: Mapping[str, Value],
+    near: Mapping[str, Value],
+    parameters: Mapping[str, Value] | None = None,
+    inputs: Mapping[str, Value] | None = None,
+    t: float = 0.0,
+    ranges: Mapping[str, tuple[Value, Value]] | None = None,
+    scales: Mapping[str, float] | None = None,
+) -> State:
+    """Return a state as `assemble`, for arguments that were looked at.
+
+    Parameters
+    ----------
+    exact, near : mapping of name to number or formula
+        What is fixed, and what is guessed.
+    """
     if closing_equations(eqs) is not eqs:
         return _assemble_whole(eqs, exact, near, parameters, inputs, t, ranges, scales)
     exact = {**held_initial_values(eqs, exact, near), **exact}
@@ -143,7 +163,7 @@ def assemble(
 
 def _assemble_whole(
     eqs: EquationSet,
-    fixed: Mapping[str, FirstValue],
+    fixed: Mapping[str, Value],
     guess: Mapping[str, Value],
     parameters: Mapping[str, Value] | None,
     inputs: Mapping[str, Value] | None,
@@ -154,16 +174,7 @@ def _assemble_whole(
     """Return a state that is found in other equations, those that close it."""
     known = named_values(eqs, guess, parameters, strict=set(guess))
     near = {**with_followers(eqs, known, parameters or {}), **guess}
-    state = assemble(
-        closing_equations(eqs),
-        fixed,
-        near,
-        parameters=parameters,
-        inputs=inputs,
-        t=t,
-        ranges=ranges,
-        scales=scales,
-    )
+    state = find_first_state(closing_equations(eqs), fixed, near, parameters, inputs, t, ranges, scales)
     return substituted_state(eqs, state, scales)
 
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.codegen.function import CompiledFunction
 from symbody.codegen.native_call import check_status
 from symbody.equations.equation_set import EquationSet
 from symbody.errors import Problem, UsageError
@@ -33,20 +31,12 @@ from symbody.kernels.record_layout import exists
 from symbody.simulation.events.events import Event, GapEvent, LevelEvent, ModeEnd
 from symbody.simulation.events.watch_arrays import WatchedEvent, WatchNumbers, make_watch_block
 from symbody.simulation.inputs.input_laws import CallbackFunction
-from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.closing import Closing, closing_block, closing_of, metric
+from symbody.simulation.native.blocks import function_numbers, function_sizes, write_numbers
+from symbody.simulation.native.closing import Closing, closing_block, closing_of, metric, place_sizes
+from symbody.simulation.native.description import RightHandSide
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
 
 Floats = NDArray[np.float64]
-
-
-class HasSequence(Protocol):
-    """What has a computational sequence."""
-
-    @property
-    def sequence(self) -> Operations:
-        """The operations."""
-        ...
 
 
 class EventFunctions:
@@ -139,15 +129,30 @@ class EventFunctions:
 
     @cached_property
     def _first_block(self) -> Floats:
+        """The block of functions with these values: a copy of one for any values, with their numbers."""
+        given = [None if function is None else self._problem.numbers(function) for function in self.functions]
+        sizes = [None if each is None else function_sizes(each) for each in given]
+        key = "monitor", repr(self.events), *sizes
+        block: Floats = self._values.kept_with_code(key, partial(self._block_of_any, given)).copy()
+        monitor = EventMonitor(block)
+        if exists(monitor.closing):
+            place_sizes(monitor.closing, self._sizes_of_states, self._share)
+        for name, numbers in zip(("numbers", "actions", "closing"), given, strict=True):
+            if numbers is not None:
+                record = getattr(monitor, name)
+                write_numbers(record.numbers if name == "closing" else record, numbers)
+        return block
+
+    def _block_of_any(self, given: Sequence[RightHandSide | None]) -> Floats:
+        """Return a block for functions that take as many numbers."""
         eqs, empty = self._problem.eqs, np.zeros(0)
-        numbers = WatchNumbers(
-            len(eqs.state_names) + 1,
-            len(eqs.speed_names),
-            self._numbers(self._values),
-            empty if self._actions is None else self._numbers(self._actions),
-            empty if self._closing is None else self._close_by(self._closing),
-        )
-        return make_watch_block(numbers_of_events(eqs, self.events, self._values), numbers)
+        values, actions, closing = (empty if each is None else function_numbers(each) for each in given)
+        if self._closing is not None:
+            sizes = [len(output.values) for output in self._closing.outputs]
+            closing = closing_block(self._close.shape, self._sizes_of_states, sizes, closing, self._share)
+        numbers = WatchNumbers(len(eqs.state_names) + 1, len(eqs.speed_names), values, actions, closing)
+        sequence = self._values.shared_sequence
+        return make_watch_block(numbers_of_events(eqs, self.events, lambda: sequence), numbers)
 
     @property
     def _close(self) -> Closing:
@@ -158,11 +163,10 @@ class EventFunctions:
         """What counts as large where states are closed, see `native.closing.metric`; of N motions (N, n)."""
         return metric(self._close.eqs, self._problem.scales)
 
-    def _close_by(self, function: CompiledFunction) -> Floats:
-        """Return the block of what closes states with a function."""
-        sizes = [len(output.values) for output in function.outputs]
-        sizes_of_states = self.metric.reshape(-1, self.metric.shape[-1])[0]
-        return closing_block(self._close.shape, sizes_of_states, sizes, self._numbers(function), self._share)
+    @property
+    def _sizes_of_states(self) -> Floats:
+        sizes: Floats = self.metric.reshape(-1, self.metric.shape[-1])[0]
+        return sizes
 
     def raise_fault(self, status: int) -> None:
         """Raise what a law of an input raised, or what the status of a function means.
@@ -176,9 +180,6 @@ class EventFunctions:
             if function.error is not None:
                 raise function.error
         check_status(status)
-
-    def _numbers(self, function: CompiledFunction) -> Floats:
-        return function_numbers(self._problem.numbers(function))
 
 
 def watch_steps_alone(monitor: EventMonitor, span: float, rows: int) -> None:
@@ -259,12 +260,12 @@ def _reads_wrapped_angle(eqs: EquationSet, expression: str) -> bool:
 
 
 def numbers_of_events(
-    eqs: EquationSet, events: Sequence[Event], values: HasSequence
+    eqs: EquationSet, events: Sequence[Event], sequence: Callable[[], Operations]
 ) -> tuple[WatchedEvent, ...]:
-    """Return events as numbers; `values` computes theirs, and its sequence is formed only if it matters."""
+    """Return events as numbers; `sequence` forms that of their values, which matters where one acts."""
     if not any(event.mapping for event in events):
         return tuple(event_numbers(eqs, event, False) for event in events)
-    reads = dependencies(written_out(values.sequence))
+    reads = dependencies(written_out(sequence()))
     of_time = [{group for group, _ in read}.isdisjoint(("q", "u", "s")) for read in reads]
     return tuple(event_numbers(eqs, event, alone) for event, alone in zip(events, of_time, strict=True))
 

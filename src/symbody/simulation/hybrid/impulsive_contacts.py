@@ -9,11 +9,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from symbody.analysis.configurations.assembly import assemble
+from symbody.analysis.configurations.assembly import find_first_state
 from symbody.analysis.configurations.closed_gaps import AT_LENGTH
 from symbody.analysis.scales import mechanism_scales
 from symbody.analysis.state import State
 from symbody.codegen.formation.bound_function import bound_function
+from symbody.codegen.formation.names import Value
 from symbody.codegen.function import CompiledFunction
 from symbody.equations.closing_equations import closing_equations
 from symbody.equations.equation_set import EquationSet
@@ -29,7 +30,6 @@ from symbody.expr.rewrite import symbols_of
 from symbody.kernels.impulses.impulse_machine import ENTRY
 from symbody.kernels.impulses.impulse_step import ImpulseStep
 from symbody.kernels.pack import pack
-from symbody.model.first_values import FirstValue
 from symbody.simulation.events.events import Event
 from symbody.simulation.hybrid.rate_jumps import PlannedJumps
 from symbody.simulation.inputs.held_law import HeldLaw
@@ -279,23 +279,23 @@ def _answering_speeds(pattern: ResponsePattern, owners: Floats, first: int, coun
 
 
 def assemble_open(
-    eqs: EquationSet, fixed: Mapping[str, FirstValue], guess: Mapping[str, FirstValue], **given: Any
+    eqs: EquationSet, fixed: Mapping[str, Value], guess: Mapping[str, Value], **given: Any
 ) -> State:
     """Return a first state as `assemble`, with all gaps open where none is negative then.
 
     Speeds that would close a gap further are left to the first step.
     """
     if closing_equations(eqs) is not eqs:
-        return assemble(eqs, fixed, guess, **given)
+        return find_first_state(eqs, fixed, guess, **given)
     made = impulsive_equations(eqs)
-    state = assemble(made.free, fixed, guess, **given)
+    state = find_first_state(made.free, fixed, guess, **given)
     if not any(point.row is not None for point in made.points):
         return state
     scales = mechanism_scales(eqs, given.get("parameters") or {}, given.get("scales"), state.q)
     width = bound_function(made.free, GAPS, given.get("parameters"), (), given.get("inputs"), quick=True)
     q, u = (np.array([*part.values()]) for part in (state.q, state.u))
     least = float(np.min(width(state.t, q, u, np.zeros(len(width.signature.r)))))
-    return state if least >= -AT_LENGTH * scales.length else assemble(eqs, fixed, guess, **given)
+    return state if least >= -AT_LENGTH * scales.length else find_first_state(eqs, fixed, guess, **given)
 
 
 def with_impulses(motion: Motion) -> Motion:

@@ -20,8 +20,7 @@ from symbody.kernels.pack import pack
 from symbody.simulation.hybrid.rate_jumps import PlannedJumps, no_speeds, strikes, torn_constraint
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.native.blocks import function_numbers
-from symbody.simulation.native.description import Record
-from symbody.simulation.native.segments import Watch
+from symbody.simulation.native.description import Record, Watch
 from symbody.simulation.native.strikes import strike_block, strike_equations, strike_outputs
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import once

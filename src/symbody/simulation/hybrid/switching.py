@@ -42,7 +42,7 @@ from symbody.simulation.hybrid.rate_jumps import struck_friction
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.input_laws import CallbackFunction
 from symbody.simulation.methods.constraints import PROJECTED
-from symbody.simulation.native.blocks import function_numbers
+from symbody.simulation.native.blocks import function_numbers, function_sizes, write_numbers
 from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.native.description import NO_TABLES
 from symbody.simulation.simulation_problem import OutputName, SimulationProblem
@@ -166,11 +166,19 @@ class SwitchingModes:
             problem.compile_outputs(deciding_outputs(self.modal)), moving.compile_outputs(PROJECTED)
         )  # fmt: skip
         numbers = problem.numbers(deciding), moving.numbers(projecting)._replace(tables=NO_TABLES)
-        return mode_block(
-            self.modal, problem.eqs, problem.scales, len(problem.laws.callbacks),
-            (function_numbers(numbers[0]), _size(deciding)),
-            (function_numbers(numbers[1]), _size(projecting)),
-        )  # fmt: skip
+        sizes = _size(deciding), _size(projecting)
+
+        def make() -> Floats:
+            shapes = [(function_numbers(each), size) for each, size in zip(numbers, sizes, strict=True)]
+            return mode_block(self.modal, problem.eqs, problem.scales, len(problem.laws.callbacks), *shapes)
+
+        key = "modes", sizes, *map(function_sizes, numbers)
+        block: Floats = deciding.kept_with_code(key, make).copy()
+        switch = ModeSwitch(block)
+        place_scales(switch, problem.scales, problem.eqs)
+        write_numbers(switch.numbers, numbers[0])
+        write_numbers(switch.projection, numbers[1])
+        return block
 
     @property
     def functions(self) -> tuple[CompiledFunction, CompiledFunction]:
@@ -410,6 +418,16 @@ def mode_block(
         sizes=scales.displacements(eqs), problem=problem, numbers=deciding[0],
         projection=projecting[0],
     )  # fmt: skip
+
+
+def place_scales(switch: ModeSwitch, scales: Scales, eqs: EquationSet) -> None:
+    """Write the sizes of a mechanism over those with which `mode_block` was called."""
+    switch.length, switch.time, switch.fastest = scales.length, scales.time, 1.0 / scales.time
+    units = np.where(np.asarray(switch.are_lengths) != 0.0, scales.length, 1.0)
+    np.asarray(switch.units)[:] = units
+    np.asarray(switch.sizes)[:] = scales.displacements(eqs)
+    for element in switch.elements:
+        element.unit = float(units[element.candidate])
 
 
 def _elements(

@@ -62,15 +62,16 @@ class Breakpoints:
     margins: Floats
     is_complete: bool = True
 
-    def order_along(self, direction: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return times, longest steps, jumps and margins in the order of a motion; the last time is never."""
-        step = 1 if direction > 0.0 else -1
-        return (
-            np.append(self.times[::step], direction * np.inf),
-            self.longest[::step].copy(),
-            np.append(self.jumps[::step], 0.0),
-            np.append(self.margins[::step], 0.0),
-        )
+    def rows_along(self, direction: float) -> Floats:
+        """Return a row of time, longest step, jump and margin for each piece in the order of a motion.
+
+        The last time is never.
+        """
+        step, rows = 1 if direction > 0.0 else -1, np.zeros((self.longest.size, 4))
+        rows[:-1, 0], rows[-1, 0] = self.times[::step], direction * np.inf
+        rows[:, 1] = self.longest[::step]
+        rows[:-1, 2], rows[:-1, 3] = self.jumps[::step], self.margins[::step]
+        return rows
 
     def truncate(self, end: float) -> Breakpoints:
         """Return those up to a time, for motions that do not pass it."""
@@ -92,8 +93,7 @@ class Breakpoints:
     def notes(self, step: float | None) -> tuple[str, ...]:
         """Return what steps of one length, or a search that was broken off, may miss."""
         notes = []
-        shortest = float(self.longest.min())
-        if step is not None and shortest < step:
+        if step is not None and (shortest := float(self.longest.min())) < step:
             k = int(np.argmin(self.longest))
             at = self.times[min(max(k - 1, 0), self.times.size - 1)]
             notes.append(

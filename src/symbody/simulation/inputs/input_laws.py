@@ -25,6 +25,7 @@ from symbody.model.tables.lookup import Lookup
 from symbody.simulation.inputs.fmu_input import FmuInput, check_fmu_inputs, refuse_fmu_inputs
 from symbody.simulation.inputs.held_law import HeldLaw
 from symbody.simulation.inputs.tables import Table, table_numbers
+from symbody.simulation.native.description import NO_TABLES
 
 Floats = NDArray[np.float64]
 Callback = Callable[[float, Floats, Floats], float]
@@ -87,7 +88,7 @@ class InputLaws:
     def held_now(self) -> Floats:
         """Return numbers for all callbacks: held values at present, 0 for others, which are computed."""
         values = np.zeros(len(self.callbacks))
-        for place, law in self.held_laws.items():
+        for place, law in self.held_laws.items() if self.callbacks else ():
             values[place] = law.current()
         return values
 
@@ -98,11 +99,11 @@ class InputLaws:
     @property
     def need_python(self) -> bool:
         """Whether some callbacks are more than tables and held values, which compiled loops read."""
-        return len(self.tables) + len(self.held_laws) < len(self.callbacks)
+        return bool(self.callbacks) and len(self.tables) + len(self.held_laws) < len(self.callbacks)
 
     def table_numbers(self) -> Floats:
         """Return all tables as `symbody.kernels.tables` reads them, nothing where Python has to be called."""
-        return table_numbers({} if self.need_python else self.tables)
+        return NO_TABLES if self.need_python or not self.tables else table_numbers(self.tables)
 
     def evaluate(self, t: float, q: Floats, u: Floats) -> list[float]:
         """Return the values of callbacks at one time.
@@ -160,7 +161,8 @@ def input_laws(
     """
     if not has_fmus:
         refuse_fmu_inputs(given)
-    check_fmu_inputs(given, names)
+    if given:
+        check_fmu_inputs(given, names)
     formulas: dict[str, Value] = dict.fromkeys(names, 0)
     callbacks: dict[str, Callback] = {}
     long: dict[str, Table] = {}

@@ -232,9 +232,7 @@ class Table:
 
 
 def table_numbers(tables: Mapping[int, Table]) -> Floats:
-    """Return tables by input as `symbody.kernels.tables` reads them; empty without any."""
-    if not tables:
-        return np.zeros(0)
+    """Return tables by input as `symbody.kernels.tables` reads them; there is one at least."""
     numbers = [table.numbers() for table in tables.values()]
     first = 1 + 2 * len(numbers)
     places = first + np.cumsum([0, *(own.size for own in numbers[:-1])])

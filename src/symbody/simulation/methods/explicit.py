@@ -19,12 +19,11 @@ from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.inputs.breakpoints import NO_BREAKPOINTS, Breakpoints
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.description import NO_TABLES, Goal, Projector, RightHandSide
+from symbody.simulation.native.description import NO_TABLES, Goal, HeldValues, Projector, RightHandSide, Watch
 from symbody.simulation.native.run import EVENT_SAMPLES, CompiledRun, NativeRun, fresh_record, run_loop
 from symbody.simulation.native.run import Progress as Progress
 from symbody.simulation.native.run import RawRun as RawRun
 from symbody.simulation.native.runge_kutta import DORMAND_PRINCE_5, DORMAND_PRINCE_8, Tableau
-from symbody.simulation.native.segments import HeldValues, Watch
 
 Floats = NDArray[np.float64]
 
@@ -169,8 +168,7 @@ def make_goal(
     """Return the goal of a motion over a span; its steps are not limited in number."""
     direction = 1.0 if span[1] >= span[0] else -1.0
     longest = math.inf if max_step is None else float(max_step)
-    breaks = np.column_stack(breakpoints.order_along(direction)).astype(np.float64)
-    return Goal(span[1], direction, rtol, atol, longest, 0, False, breaks)
+    return Goal(span[1], direction, rtol, atol, longest, 0, False, breakpoints.rows_along(direction))
 
 
 def _usage(where: str, what: str, fix: str, why: str = "") -> UsageError:

@@ -32,8 +32,8 @@ from symbody.simulation.methods.implicit.stiff import Stiff, run_stiff
 from symbody.simulation.methods.moreau_jean import MoreauJean, run_moreau_jean
 from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.dense_output import DenseOutput, shorten
+from symbody.simulation.native.description import steps_before
 from symbody.simulation.native.run import RawRun
-from symbody.simulation.native.segments import steps_before
 from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.status import Status
 from symbody.tolerances import CLOSED

@@ -28,7 +28,7 @@ from symbody.simulation.inputs.input_laws import called_laws
 from symbody.simulation.methods.explicit import NOTHING_TO_PROJECT, make_goal
 from symbody.simulation.motion import Motion, StateProjector
 from symbody.simulation.native.blocks import make_block
-from symbody.simulation.native.description import Record
+from symbody.simulation.native.description import Record, Watch
 from symbody.simulation.native.run import (
     EVENT_SAMPLES,
     RawRun,
@@ -38,7 +38,6 @@ from symbody.simulation.native.run import (
     show_room,
 )
 from symbody.simulation.native.runge_kutta import Tableau
-from symbody.simulation.native.segments import Watch
 from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.single_flight import once
 

@@ -18,7 +18,7 @@ from symbody.kernels import block as at
 from symbody.kernels.block import Run
 from symbody.simulation.hybrid.passed_jumps import PassedJumps
 from symbody.simulation.native.blocks import state_of
-from symbody.simulation.native.description import Record
+from symbody.simulation.native.description import Record, Watch
 from symbody.simulation.native.machine import given_steps, step_machine
 from symbody.simulation.native.run import (
     EVENT_SAMPLES,
@@ -30,7 +30,6 @@ from symbody.simulation.native.run import (
     run_loop,
     show_room,
 )
-from symbody.simulation.native.segments import Watch
 from symbody.simulation.status import Status
 
 Floats = NDArray[np.float64]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from symbody.single_flight import SingleFlight
 
 _METHODS: Final[SingleFlight[tuple[Tableau, int], Floats]] = SingleFlight(64)
 NO_GAPS: Final = np.zeros(0)
-_TEMPLATES: Final[SingleFlight[Hashable, Floats]] = SingleFlight(64)
+_TEMPLATES: Final[SingleFlight[Hashable, tuple[Floats, list[slice]]]] = SingleFlight(64)
 
 
 def make_block(
@@ -42,38 +42,41 @@ def make_block(
     Blocks of one size differ in a few numbers, which are written into a copy of the first one. `gaps` is the
     array of an `EventMonitor` of the gaps over which no step may pass.
     """
-    shape = x.size, rhs.n_u, _sizes(rhs), _sizes(projector), projector.n_q, projector.scales.size
-    key = tableau, goal.breaks.tobytes(), shape, projector.out_size, gaps.size
-    block = _TEMPLATES.get(key, lambda: _first_block(rhs, projector, tableau, goal.breaks, x, gaps)).copy()
+    sizes = function_sizes(rhs), function_sizes(projector)
+    shape = x.size, rhs.n_u, *sizes, projector.n_q, projector.scales.size, projector.out_size
+    key = tableau, goal.breaks.tobytes(), shape, gaps.size
+    first, places = _TEMPLATES.get(key, lambda: _template(rhs, projector, tableau, goal.breaks, x, gaps))
+    block = first.copy()
+    groups = [x, goal.atol, *_groups(rhs)]
     run = Run(block)
     run.time, run.t_end, run.first_step, run.cases.start = t, goal.t_end, first_step, t
     aim = run.goal
     aim.direction, aim.rtol, aim.max_step = goal.direction, goal.rtol, goal.max_step
     aim.max_trials, aim.stop_when_stiff = goal.max_trials, goal.stop_when_stiff
-    _write((run.state_old, x), (run.tolerances, goal.atol))
-    _write_numbers(run.numbers, rhs)
     if projector.address:
         projection = run.projection
         projection.limit, projection.rounding = projector.limit, projector.rounding
-        _write((projection.scales, projector.scales), (projection.sizes, projector.sizes))
-        _write_numbers(projection.numbers, projector)
+        groups += [projector.scales, projector.sizes, *_groups(projector)]
     if gaps.size:
-        _write((np.asarray(run.gaps)[: gaps.size], gaps))
+        groups.append(gaps)
+    for place, values in zip(places, groups, strict=True):
+        block[place] = values
     return block
 
 
-def _sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
+def function_sizes(function: RightHandSide | Projector) -> tuple[int, ...]:
+    """Return how many numbers of each kind a function takes."""
     tables = function.tables.size if isinstance(function, RightHandSide) else int(bool(function.address))
     groups = function.inputs.size, function.parameters.size, function.constants.size
     return *groups, function.work_size, tables
 
 
-def _first_block(
+def _template(
     rhs: RightHandSide, projector: Projector, tableau: Tableau, breaks: Floats, x: Floats, gaps: Floats
-) -> Floats:
-    """Return the block of motions of these sizes."""
+) -> tuple[Floats, list[slice]]:
+    """Return the block of motions of these sizes, and where the arrays lie in which such motions differ."""
     n = x.size
-    return pack(
+    block = pack(
         Run, states=n, speeds=rhs.n_u, goal=pack(RunGoal), cases=pack(CaseCursor),
         breaks=pack(BreakpointTable, count=breaks.size // Breakpoint.size, points=breaks),
         method=method_numbers(tableau, n), state_old=x, tolerances=np.ones(n),
@@ -81,23 +84,35 @@ def _first_block(
         numbers=function_numbers(rhs), projection=_projection(projector) if projector.address else None,
         gaps=gaps if gaps.size else None,
     )  # fmt: skip
+    run = Run(block)
+    fields = [np.asarray(run.state_old), np.asarray(run.tolerances), *_fields(run.numbers, rhs)]
+    if projector.address:
+        projection = run.projection
+        fields += [np.asarray(projection.scales), np.asarray(projection.sizes)]
+        fields += _fields(projection.numbers, projector)
+    if gaps.size:
+        fields.append(np.asarray(run.gaps)[: gaps.size])
+    begins = [(field.ctypes.data - block.ctypes.data) // block.itemsize for field in fields]
+    return block, [slice(k, k + field.size) for k, field in zip(begins, fields, strict=True)]
 
 
-def _write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:
+def _groups(function: RightHandSide | Projector) -> list[Floats]:
+    """Return the arguments of a function that are the same for a whole run."""
+    groups = [function.inputs, function.parameters, function.constants]
+    return [*groups, function.tables] if isinstance(function, RightHandSide) else groups
+
+
+def _fields(numbers: FunctionNumbers, function: RightHandSide | Projector) -> list[Floats]:
+    """Return where these arguments stand, views."""
+    fields = [np.asarray(field) for field in (numbers.inputs, numbers.parameters, numbers.constants)]
+    if isinstance(function, RightHandSide):
+        fields.append(np.asarray(numbers.tables)[: function.tables.size])
+    return fields
+
+
+def write_numbers(numbers: FunctionNumbers, function: RightHandSide | Projector) -> None:
     """Write the arguments of a function over those of another one of the same sizes."""
-    groups = (
-        (numbers.inputs, function.inputs),
-        (numbers.parameters, function.parameters),
-        (numbers.constants, function.constants),
-    )
-    _write(*groups)
-    if isinstance(function, RightHandSide) and function.tables.size:
-        np.asarray(numbers.tables)[: function.tables.size] = function.tables
-
-
-def _write(*pairs: tuple[Any, Floats]) -> None:
-    """Write numbers into fields of a record."""
-    for field, values in pairs:
+    for field, values in zip(_fields(numbers, function), _groups(function), strict=True):
         field[:] = values
 
 

@@ -94,6 +94,14 @@ def metric(eqs: EquationSet, scales: Scales) -> Floats:
     return np.concatenate(sizes, axis=-1)
 
 
+def place_sizes(block: AssemblyProblem, sizes: Floats, share: float) -> None:
+    """Write into a closing what counts as large, see `metric`, and by which share of that it is closed."""
+    states = block.speeds + block.coordinates
+    np.asarray(block.sizes)[:states] = sizes[:states]
+    np.asarray(block.scales)[:] = sizes[states:]
+    block.share = block.enough = math.sqrt(max(block.residuals, 1)) * share
+
+
 def closing_block(
     shape: StateShape, sizes: Floats, outputs: Sequence[int], numbers: Floats, share: float
 ) -> Floats:

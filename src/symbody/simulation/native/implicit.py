@@ -73,7 +73,7 @@ def make_array(functions: ImplicitFunctions, n: int, n_q: int, rho: float, *, on
 
 
 class ImplicitPart:
-    """Implicit steps in the compiled loop; see `native.segments.LoopPart`.
+    """Implicit steps in the compiled loop; see `native.description.LoopPart`.
 
     Parameters
     ----------

@@ -16,9 +16,8 @@ from symbody.kernels.block import Run
 from symbody.memory import memory_size
 from symbody.simulation.native.blocks import state_of
 from symbody.simulation.native.dense_output import DenseOutput
-from symbody.simulation.native.description import Floats, Record
+from symbody.simulation.native.description import Floats, HeldValues, Record, Watch
 from symbody.simulation.native.machine import LOOP, advance_motion, step_machine
-from symbody.simulation.native.segments import HeldValues, Watch
 from symbody.simulation.status import Status
 
 if TYPE_CHECKING:

@@ -216,7 +216,7 @@ def _monitor(motion: PosedMotion, functions: Mapping[str, ProgramFunction], bloc
         run.states, run.speeds, numbers[EVENTS], numbers.get(ACTIONS, _NOTHING),
         closing_numbers(motion, functions[CLOSING]) if CLOSING in functions else _NOTHING,
     )  # fmt: skip
-    watched = numbers_of_events(eqs, events, functions[EVENTS])
+    watched = numbers_of_events(eqs, events, lambda: functions[EVENTS].sequence)
     made = with_cut_fit(make_watch_block(watched, watch), run.method.dense_rows)
     monitor = EventMonitor(made)
     monitor.span = abs(motion.span[1] - motion.span[0])

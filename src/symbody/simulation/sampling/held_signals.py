@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import Final
@@ -24,6 +24,7 @@ from symbody.simulation.hybrid.rate_jumps import may_jump
 from symbody.simulation.inputs.fmu_input import FmuInput
 from symbody.simulation.inputs.held_law import HeldLaw, HeldRecord, join_records
 from symbody.simulation.inputs.input_laws import InputLaws
+from symbody.simulation.native.dense_output import DenseOutput
 from symbody.simulation.sampling.sampled_loop import SampledLoop
 from symbody.simulation.sampling.sampler import HeldValue, Sampler
 from symbody.simulation.simulation_problem import SimulationProblem
@@ -79,6 +80,8 @@ class HeldSignals:
     @property
     def record(self) -> HeldRecord | None:
         """What was sampled."""
+        if not self._values:
+            return None
         samplers = [sampler for sampler in (self.active, *self.passive) if sampler.values]
         return join_records([sampler.samples for sampler in samplers], self.names)
 
@@ -234,3 +237,53 @@ def _check_steps(signals: Sequence[Signal], steps: Mapping[str, float], span: tu
     ]  # fmt: skip
     if problems:
         raise UsageError(*problems)
+
+
+def sample_later(held: HeldSignals, problem: SimulationProblem, motion: DenseOutput | None) -> None:
+    """Sample what a motion did not read, in the order of the model, from its steps.
+
+    Raises
+    ------
+    FormulationError, UsageError
+        If a formula of a value has no meaning, or is not a number.
+    SimulationError
+        If a function fails.
+    """
+    if not held.passive or motion is None:
+        return
+    loops = [SampledLoop(problem, sampler) for sampler in held.passive]
+    last = float(motion.breaks[-1])
+    t = _next_due(held)
+    while t <= last or any(sampler.is_due(last) for sampler in held.passive):
+        t = min(t, last)
+        x = np.ascontiguousarray(motion(np.array([t]))[:, 0])
+        for loop in loops:
+            if loop.sampler.is_due(t):
+                others = list(_values_of_others(held, loop.sampler, t))
+                if others:
+                    slots, values = zip(*others, strict=True)
+                    loop.show_inputs(np.array(slots), np.array(values, dtype=np.float64))
+                loop.take(t, x)
+        t = _next_due(held)
+
+
+def _next_due(held: HeldSignals) -> float:
+    return min(sampler.next_due for sampler in held.passive)
+
+
+def _values_of_others(held: HeldSignals, own: Sampler, t: float) -> Iterator[tuple[int, float]]:
+    """Yield places among the inputs and values of all that another sampler holds.
+
+    What comes first in the model is new already where both are sampled at the time.
+    """
+    first = held.names.index(own.names[0])
+    for sampler in (held.active, *held.passive):
+        if sampler is own:
+            continue
+        for value in sampler.values:
+            if sampler is not held.active:
+                yield value.slot, sampler.current(value.name)
+            elif held.names.index(value.name) < first:
+                yield value.slot, float(sampler.values_at(value.name, np.array([t]))[0])
+            else:
+                yield value.slot, sampler.value_before(value.name, t)

@@ -314,7 +314,7 @@ def _breakpoints(job: LoopJob, chunk: Chunk) -> Sequence[Breakpoints]:
 
 def _break_rows(breakpoints: Sequence[Breakpoints], direction: float) -> Floats:
     """Return the breakpoints of each case as a row, the last one repeated where others have more."""
-    tables = [np.column_stack(own.order_along(direction)).astype(np.float64) for own in breakpoints]
+    tables = [own.rows_along(direction) for own in breakpoints]
     most = max(len(table) for table in tables)
     return np.stack([table[np.minimum(np.arange(most), len(table) - 1)].ravel() for table in tables])
 

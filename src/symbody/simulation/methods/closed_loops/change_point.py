@@ -32,7 +32,6 @@ from symbody.simulation.methods.closed_loops.overconstrained import (
 )
 from symbody.simulation.methods.closed_loops.partition import Partition
 from symbody.simulation.methods.closed_loops.passages import LOW, Passages, locks_up
-from symbody.simulation.methods.closed_loops.unresolved_poses import unresolved_pose_notes
 from symbody.simulation.methods.constraints import Projection
 from symbody.simulation.methods.explicit import Explicit
 from symbody.simulation.methods.fixed_step import FixedStep
@@ -129,7 +128,6 @@ def integrate_on_branch(motion: Motion) -> Integration:
     if isinstance(constraints, Partition):
         run = integrate_motion(motion)
         return run if follows or not run.raw.status.success else _judge_passages(motion, run)
-    by_partition = replace(motion, constraints=_PARTITION)
     is_replaceable = isinstance(constraints, Projection) and isinstance(motion.integrator, Explicit | None)
     if follows and is_replaceable:
         return integrate_by_partition(motion)
@@ -147,7 +145,7 @@ def integrate_on_branch(motion: Motion) -> Integration:
     is_plain = run.raw.status.success and passages is None
     end = None if is_plain else _end_of_branch(motion, run, passages, is_locked=is_locked)
     if is_replaceable and (reason := _reason_to_replace(problem, run.raw, at, end)):
-        second = _integrate_again(by_partition)
+        second = _integrate_again(replace(motion, constraints=_PARTITION))
         if second.raw.status.success:
             return _judge_passages(motion, second._replace(notes=(reason, *second.notes)))
         if second.raw.status is Status.SINGULAR and second.raw.reached == t:
@@ -389,3 +387,66 @@ def passage_balance(
     changes = np.abs(np.diff(balance))
     usual = np.delete(changes, first.size).max(initial=rtol * largest + rounding)
     return PassageBalance(float(changes[first.size]), float(usual))
+
+
+# Poses that a motion of fixed steps passes faster than its steps resolve. Beside a flat pose the least
+# singular value of J goes to zero like the distance, and accelerations change as fast as its inverse. A
+# method of order p is worth its order while the steps are short beside that distance.
+
+
+Places = NDArray[np.int64]
+
+# In so many steps a least singular value must not change by as much as itself: what a step of order 4 is off
+# by goes with the fourth power of this.
+_RESOLVING: Final = 4.0
+# Places that are looked at first; around so many of the lowest ones every step is.
+_PLACES: Final = 200
+_LOWEST: Final = 8
+# Singular values that stay below this share of the largest belong to constraints that follow from others.
+_INDEPENDENT: Final = 1e-6
+_NOTE: Final = (
+    "near t = {:.6g} s some constraints are almost redundant, and steps of {:.3g} s are too long for how "
+    "fast this changes: from there on the motion is much less accurate than the order of the method "
+    "suggests; use shorter steps, or omit integrator="
+)
+
+
+def unresolved_pose_notes(problem: SimulationProblem, raw: RawRun, step: float) -> tuple[str, ...]:
+    """Return a note where steps of a length [s] do not resolve how dependent the constraints are."""
+    dense = raw.dense_output
+    if dense is None or dense.breaks.size < 3:
+        return ()
+    t, loops = dense.breaks, LoopConstraints(problem)
+
+    def singular_values(places: Places) -> Floats:
+        return loops.singular_values(t[places], dense(t[places])[loops.places].T)
+
+    coarse = np.arange(0, t.size, -(-t.size // _PLACES))
+    values = singular_values(coarse)
+    if not np.isfinite(values).all():
+        return ()
+    rank = int((np.median(values, axis=0) > _INDEPENDENT * values.max(initial=0.0)).sum())
+    if rank == 0:
+        return ()
+    places = _low_places(coarse, values[:, rank - 1], t.size)
+    least = [singular_values(some)[:, rank - 1] for some in places]
+    unresolved = [some[are_unresolved(sizes)] for some, sizes in zip(places, least, strict=True)]
+    times = sorted(float(t[some[0]]) for some in unresolved if some.size)
+    return (_NOTE.format(times[0], step),) if times else ()
+
+
+def _low_places(coarse: Places, least: Floats, count: int) -> list[Places]:
+    """Return the steps' ends around the lowest values at some of them, where these may vanish between."""
+    stride = int(coarse[1] - coarse[0])
+    if stride == 1:
+        return [coarse]
+    low = coarse[are_unresolved(least)]
+    lowest = low[np.argsort(least[low // stride], kind="stable")][:_LOWEST]
+    return [np.arange(max(k - stride, 0), min(k + stride + 1, count)) for k in np.sort(lowest)]
+
+
+def are_unresolved(least: Floats) -> NDArray[np.bool_]:
+    """Return a mask of the steps' ends at which a singular value changes too fast for its size."""
+    changes = np.abs(np.diff(least))
+    beside = np.maximum(np.append(changes, 0.0), np.append(0.0, changes))
+    return np.asarray(least < _RESOLVING * beside, dtype=np.bool_)

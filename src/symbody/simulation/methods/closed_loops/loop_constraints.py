@@ -60,10 +60,23 @@ class LoopConstraints:
         self.sizes, self.speed_sizes = problem.scales.coordinates(eqs), problem.scales.displacements(eqs)
         n_u = len(eqs.speed_names)
         self.places = slice(n_u, n_u + len(eqs.coordinate_names))  # of the coordinates in a state
-        self.is_driven = any(not row.drift.is_zero for row in eqs.formed.rows)
-        self._scales, self.holonomic = problem.scales.constraints(eqs), len(eqs.formed.holonomic)
-        names = eqs.coordinate_names
-        self.quaternions = [[names.index(name) for name in four] for four in eqs.quaternions]
+        self._scales = problem.scales.constraints(eqs)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether time moves the mechanism."""
+        return any(not row.drift.is_zero for row in self.problem.eqs.formed.rows)
+
+    @property
+    def holonomic(self) -> int:
+        """How many constraints are on positions; they come first."""
+        return len(self.problem.eqs.formed.holonomic)
+
+    @property
+    def quaternions(self) -> list[list[int]]:
+        """Places of quaternions among the coordinates."""
+        names = self.problem.eqs.coordinate_names
+        return [[names.index(name) for name in four] for four in self.problem.eqs.quaternions]
 
     def positions(self, t: float | Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return the conditions (.., m) on positions and their derivatives (.., m, n_q) by ``q / sizes``."""

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symbody.manifold import count_significant
-from symbody.simulation.methods.closed_loops.independent_rows import independent_rows, without_other_rows
 from symbody.simulation.methods.closed_loops.loop_constraints import LoopConstraints, motion_branch
 from symbody.simulation.methods.closed_loops.partition import Partition
+from symbody.simulation.methods.closed_loops.partition_states import independent_rows, without_other_rows
 from symbody.simulation.methods.constraints import Baumgarte
 from symbody.simulation.methods.fixed_step import FixedStep
 from symbody.simulation.methods.implicit.generalized_alpha import GeneralizedAlpha

@@ -38,9 +38,8 @@ from symbody.simulation.methods.constraints import ROUNDED_PER_COORDINATE, Proje
 from symbody.simulation.motion import Motion
 from symbody.simulation.native.blocks import function_numbers, state_of
 from symbody.simulation.native.closing import POSED
-from symbody.simulation.native.description import Projector, Record, RightHandSide
+from symbody.simulation.native.description import Projector, Record, RightHandSide, Watch
 from symbody.simulation.native.run import SLICE_SECONDS, NativeRun
-from symbody.simulation.native.segments import Watch
 from symbody.single_flight import once
 from symbody.tolerances import EXACT
 

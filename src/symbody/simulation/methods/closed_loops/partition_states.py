@@ -8,7 +8,7 @@ between states on both sides, reached along the branch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -23,6 +23,7 @@ from symbody.manifold import LinearConstraints, correct, pivot_order, square_ste
 from symbody.simulation.methods.closed_loops.crossing import find_crossing
 from symbody.simulation.methods.closed_loops.loop_constraints import NEAR, LoopConstraints, motion_branch
 from symbody.simulation.motion import Motion, StateFunction
+from symbody.simulation.simulation_problem import SimulationProblem
 from symbody.tolerances import TRACED
 
 Floats = NDArray[np.float64]
@@ -295,3 +296,22 @@ def _no_configuration(t: float) -> Problem:
         "simulation.partition", "constraints", f"no configuration was found at t = {t:.9g} s",
         "the independent coordinates do not determine the others here", "use sb.Projection()",
     )  # fmt: skip
+
+
+def independent_rows(problem: SimulationProblem, t: float, x: Floats) -> list[int]:
+    """Return the places of as many constraints as are independent on the branch of a state.
+
+    They are the farthest from dependent at a regular configuration of the branch.
+    """
+    loops = LoopConstraints(problem)
+    branch = motion_branch(loops, t, x)
+    count = len(problem.eqs.formed.rows)
+    if branch.speeds == count:
+        return list(range(count))
+    kept: list[int] = partition_columns(loops.speeds(branch.t, branch.q)[0], branch.speeds).rows.tolist()
+    return kept
+
+
+def without_other_rows(eqs: EquationSet, kept: Sequence[int]) -> EquationSet:
+    """Return the equations with these constraints alone."""
+    return EquationSet(eqs.model, eqs.formed.with_independent(kept), eqs.notes)

@@ -24,7 +24,7 @@ from symbody.expr.graph import Symbol, SymbolKind
 from symbody.expr.rewrite import substitute
 from symbody.expr.sequences.sequence import Roots
 from symbody.simulation.events.event_watch import EventWatch
-from symbody.simulation.methods.closed_loops.independent_rows import independent_rows, without_other_rows
+from symbody.simulation.methods.closed_loops.partition_states import independent_rows, without_other_rows
 from symbody.simulation.methods.implicit.state_jacobian import drop_idle_rows, input_symbols
 from symbody.simulation.methods.implicit.stiff import SHARE_OF_PIECE, Stiff
 from symbody.simulation.methods.implicit.sundials import (
