@@ -179,20 +179,20 @@ function makeSimulation() {
 
     // Bring the state shown onto the constraints of the modes that it has.
     function projectShown() {
-        if (modes !== null) showModesOf(time);
+        const place = modes === null ? 0 : block[at.run.projection] + block[block[at.run.projection] + at.projection.numbers];
+        if (modes !== null) showModesOf(time, block, place);
         symbody_project(functions.projection, block, 0, time, state, 0);
-        if (modes !== null) showModesOf(Infinity);
+        if (modes !== null) showModesOf(Infinity, block, place);
     }
 
-    // Let what projects have the modes of a time, as far as they are written down.
-    function showModesOf(t) {
+    // Let the numbers of a function have the modes of a time, as far as they are written down.
+    function showModesOf(t, array, place) {
         const size = 3 + elements + n, isShock = (row) => m.decided[row * size] !== 0;
         let row = modes[at.modes.recorded] - 1;
         while (row > 0 && (m.decided[row * size + 1] > t || isShock(row))) row -= 1;
         if (row < 0) return;
-        const place = block[at.run.projection] + block[block[at.run.projection] + at.projection.numbers];
-        const first = place + block[place + at.numbers.inputs] + modes[at.modes.first_input];
-        for (let k = 0; k < elements; k += 1) block[first + k] = m.decided[row * size + 3 + k];
+        const first = place + array[place + at.numbers.inputs] + modes[at.modes.first_input];
+        for (let k = 0; k < elements; k += 1) array[first + k] = m.decided[row * size + 3 + k];
     }
 
     // Let the view have the held values of the time shown.
@@ -233,6 +233,7 @@ function makeSimulation() {
     }
 
     function evaluateView(x) {
+        if (modes !== null) showModesOf(time, seen, 0);
         symbody_call(functions.view, speeds, seen, 0, time, x, 0, shown, 0);
     }
 

@@ -45,8 +45,6 @@ class Arrow:
         Outputs: where it acts, in ground's axes, of a force that is fixed on no body.
     prints : bool
         As in `MotionVector`.
-    is_modal : bool
-        Whether it depends on which contacts are closed and which joints stick, where that may change.
     """
 
     name: str
@@ -55,7 +53,6 @@ class Arrow:
     values: Triple
     places: Triple | None = None
     prints: bool = False
-    is_modal: bool = False
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -182,7 +179,7 @@ def _contact_arrow(contact: Contact, anchor: Anchor) -> Arrow:
     values = _turn_to_ground(f'frame R "{contact.name}"', force)
     prints = GROUND in (contact.start.body, contact.end.body)
     name = f"contact {contact.name}"
-    return Arrow(name, "force", anchor, values, (x, y, z), prints, contact.is_rigid)
+    return Arrow(name, "force", anchor, values, (x, y, z), prints)
 
 
 def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:
@@ -191,8 +188,8 @@ def _reactions(name: str, start: FrameRef, anchor: Anchor) -> list[Arrow]:
         _turn_to_ground(axes, [f"'reaction \"{name}\" {letter}{x}'" for x in "xyz"]) for letter in "FM"
     )
     return [
-        Arrow(f"reaction {name}", "force", anchor, force, is_modal=True),
-        Arrow(f"reaction {name}", "torque", anchor, torque, is_modal=True),
+        Arrow(f"reaction {name}", "force", anchor, force),
+        Arrow(f"reaction {name}", "torque", anchor, torque),
     ]
 
 

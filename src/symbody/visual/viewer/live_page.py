@@ -14,7 +14,6 @@ import numpy as np
 from symbody.analysis.state import State
 from symbody.equations.equation_set import EquationSet
 from symbody.equations.outputs.equation_page import equation_operations, equations_page
-from symbody.equations.solving.modal_equations import modal_equations
 from symbody.errors import Problem, UsageError, nearest
 from symbody.expr.language.formula import Formula
 from symbody.expr.printing.mathml import mathml_name
@@ -165,7 +164,7 @@ def make_live_page(
     )
     values = {name: float(value) for name, value in resolve_parameters(eqs.model, request.parameters).items()}
     scene = make_scene(eqs.model, values)
-    arrows = _steady_arrows(eqs, arrows_of(eqs.model, scene, vectors))
+    arrows = arrows_of(eqs.model, scene, vectors)
     view = PageView(*_with_arrows(chain, arrows), *_spring(scene))
     program = javascript_simulation(eqs, request, view)
     first = program.motion.first
@@ -274,12 +273,6 @@ def _courses(
     if run.t.size < 2:
         return {name: np.array([value]) for name, value in first.q.items()}
     return coordinate_courses(run)
-
-
-def _steady_arrows(eqs: EquationSet, arrows: Sequence[Arrow]) -> list[Arrow]:
-    """Return the arrows that a page can compute: those that depend on modes where these cannot change."""
-    changes = bool(modal_equations(eqs).modes)
-    return [arrow for arrow in arrows if not (changes and arrow.is_modal)]
 
 
 def _with_arrows(
