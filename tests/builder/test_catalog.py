@@ -15,7 +15,7 @@ def test_the_catalogue_begins_with_the_simple_ones_and_has_no_text_of_files() ->
     assert names[:2] == ["spring_mass_damper", "slider_crank"] and "leg" not in names
     assert len(names) == len(set(names))
     gallery = [entry for entry in entries if entry.group != "examples"]
-    assert len(gallery) == 43 and {"linkages/watt", "drives/oldham"} <= {entry.name for entry in gallery}
+    assert len(gallery) == 49 and {"linkages/watt", "drives/oldham"} <= {entry.name for entry in gallery}
     for entry in entries:
         card = entry.describe()
         assert card["title"] and card["summary"], entry.name

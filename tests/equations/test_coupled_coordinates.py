@@ -112,13 +112,21 @@ def test_the_motion_is_that_of_the_constraints(eqs: sb.EquationSet) -> None:
 
 
 def test_a_factor_that_vanishes_is_refused() -> None:
+    coupling = sb.Constraint("c", "n*x - m*y")
+    eqs = sb.form_equations(pair(coupling, parameters={"n": 1, "m": 2}), substitute=True)
+    with pytest.raises(sb.FormulationError, match="its factor n in lambda_c_1 is 0 with n = 0") as error:
+        sb.compile(eqs, "udot", parameters={"n": 0})
+    assert error.value.problems[0].code == "equations.vanishing_factor"
+    with pytest.raises(sb.FormulationError, match="is 0 with n = 0"):
+        sb.sweep(eqs, 0.1, parameters={"n": [1, 0]})
+
+
+def test_a_radius_that_vanishes_is_refused() -> None:
     belt = sb.Belt("belt", ["x", "y"], radii=["r1", "r2"])
     eqs = sb.form_equations(pair(belt, parameters={"r1": 1, "r2": 2}), substitute=True)
-    with pytest.raises(sb.FormulationError, match="its factor r1 in lambda_belt_1 is 0 with r1 = 0") as error:
+    with pytest.raises(sb.CompileError, match="r1 is 0 m") as error:
         sb.compile(eqs, "udot", parameters={"r1": 0})
-    assert error.value.problems[0].code == "equations.vanishing_factor"
-    with pytest.raises(sb.FormulationError, match="is 0 with r1 = 0"):
-        sb.sweep(eqs, 0.1, parameters={"r1": [1, 0]})
+    assert error.value.problems[0].code == "model.no_length"
 
 
 @pytest.mark.parametrize(

@@ -130,7 +130,7 @@ def test_rods_without_length_are_told(rod: str, r: float) -> None:
         except sb.SymbodyError as error:
             assert error.problems[0].where
             if rod == "distance":
-                assert error.problems[0].where == "rod"
+                assert error.problems[0].where == "constraint rod, value"
 
 
 def test_cases_without_length_leave_the_others() -> None:

@@ -277,24 +277,24 @@ class Graph:
             return -self.constants[self.left[self.left[node]]]
         return None
 
-    def reachable(self, roots: Iterable[int], known: Container[int] = ()) -> list[int]:
-        """Return all nodes the `roots` are computed from, ascending, but `known` ones and those behind."""
+    def reachable(self, roots: Iterable[int], reached: Container[int] = frozenset()) -> list[int]:
+        """Return all nodes the `roots` are computed from, ascending, but `reached` ones and those behind."""
         ops, left, right, tuples = self.ops, self.left, self.right, self.operand_tuples
-        seen = {node for node in roots if node not in known}
+        seen = {node for node in roots if node not in reached}
         nodes = list(seen)
         for node in nodes:  # it grows meanwhile
             arity = ARITY[ops[node]]
             if arity == 2:
                 a, b = left[node], right[node]
-                if a not in seen and a not in known:
+                if a not in seen and a not in reached:
                     seen.add(a)
                     nodes.append(a)
-                if b not in seen and b not in known:
+                if b not in seen and b not in reached:
                     seen.add(b)
                     nodes.append(b)
             elif arity:
                 for a in (left[node],) if arity == 1 else tuples[left[node]]:
-                    if a not in seen and a not in known:
+                    if a not in seen and a not in reached:
                         seen.add(a)
                         nodes.append(a)
         nodes.sort()

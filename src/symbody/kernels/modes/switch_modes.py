@@ -18,7 +18,7 @@ from symbody.kernels.modes.fill_problem import (
 from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, TWO, find_modes
 from symbody.kernels.modes.impacts import are_struck, rest_of_impacts, strike_gaps
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
-from symbody.kernels.modes.mode_shares import note_shares, solve_modes
+from symbody.kernels.modes.mode_shares import is_carried, note_shares, solve_modes
 from symbody.kernels.modes.mode_state import (
     AT_LENGTH,
     FUNCTION_FAULT,
@@ -370,12 +370,12 @@ def set_levels(modes: ModeSwitch) -> None:
 
 
 def stays_at_zero(modes: ModeSwitch, element: SwitchingElement) -> int:
-    """Return 1 if an open gap at zero neither moves nor accelerates, but for rounding, else 0."""
+    """Return 1 if others that are closed keep an open gap where it is, but for rounding, else 0."""
     if abs(element.rate) > slow_rate(modes, element):
         return 0
     if abs(acceleration_of(modes, element.candidate)) > slight_acceleration(modes, element.candidate):
         return 0
-    return 1
+    return is_carried(modes, element.candidate)
 
 
 def slight_value(modes: ModeSwitch, place: int) -> float:
