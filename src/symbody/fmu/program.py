@@ -154,7 +154,7 @@ class FmuProgram:
         numbers = WatchNumbers(
             len(eqs.state_names) + 1, len(eqs.speed_names), function.array, nothing, nothing
         )
-        made = make_watch_block(numbers_of_events(eqs, gaps, function), numbers)
+        made = make_watch_block(numbers_of_events(eqs, gaps, lambda: function.sequence), numbers)
         tableau, *_ = method_bounds(self.motion.method, self.motion.breakpoints)
         watch_steps_alone(EventMonitor(made), SPAN, 4 + len(tableau.dense))
         return made
