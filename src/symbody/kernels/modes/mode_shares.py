@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from symbody.kernels.language import Reals, part
-from symbody.kernels.modes.held_rows import DEPENDENT, factor_held, shares_effort
+from symbody.kernels.modes.held_rows import factor_held, shares_effort
 from symbody.kernels.modes.held_shares import NONE_WITHIN, WITHIN_BOUNDS, held_place, share_efforts
 from symbody.kernels.modes.mode_problem import ModeElement, ModeProblem
 from symbody.kernels.modes.mode_switch import ModeSwitch
@@ -73,32 +73,6 @@ def note_shares(modes: ModeSwitch) -> None:
             if shares_effort(problem, i, problem.vector) == 1:
                 modes.elements[place].shares = 1.0
                 modes.shares = modes.shares + 1
-
-
-def is_carried(modes: ModeSwitch, candidate: int) -> int:
-    """Return 1 if the rows that hold leave a candidate that does not no motion of its own, else 0."""
-    problem = modes.problem
-    count = modes.candidates
-    responses = part(modes.out, 3 * (count - modes.gaps) + count, count * count)
-    list_held(problem)
-    factor_held(problem)
-    n = problem.held_count
-    L = problem.factor
-    y = problem.vector
-    response = responses[candidate * count + candidate]
-    left = response
-    for k in range(problem.rank):
-        row = int(problem.held[k])
-        other = int(modes.acting[row])
-        mean = 0.5 * (responses[candidate * count + other] + responses[other * count + candidate])
-        y[k] = mean / problem.sizes[row]
-        for c in range(k):
-            y[k] = y[k] - L[k * n + c] * y[c]
-        y[k] = y[k] / L[k * n + k]
-        left = left - y[k] * y[k]
-    if left > DEPENDENT * response:
-        return 0
-    return 1
 
 
 def note_rubbing(problem: ModeProblem) -> None:

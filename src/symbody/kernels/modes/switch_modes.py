@@ -18,7 +18,7 @@ from symbody.kernels.modes.fill_problem import (
 from symbody.kernels.modes.find_modes import BALANCED, CANCELLED, NOT_FOUND, ONE, TWO, find_modes
 from symbody.kernels.modes.impacts import are_struck, rest_of_impacts, strike_gaps
 from symbody.kernels.modes.mode_problem import HOLDS, LOOSE
-from symbody.kernels.modes.mode_shares import is_carried, note_shares, solve_modes
+from symbody.kernels.modes.mode_shares import note_shares, solve_modes
 from symbody.kernels.modes.mode_state import (
     AT_LENGTH,
     FUNCTION_FAULT,
@@ -349,8 +349,8 @@ def fit_speeds(d: Function, w: Function, modes: ModeSwitch, t: float, x: Reals) 
 def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
-    An open gap that is zero up to rounding, or has come below, is exactly there; one that stays there, since
-    others that are closed leave it no motion, ends its mode only when it is measurably below. A closed one
+    An open gap that is zero up to rounding, or has come below, is exactly there; one that stays there while
+    others are closed ends its mode only when it is measurably below. A closed one
     without effort but for rounding has none. The value of an element that shares its effort says nothing, and
     never falls to zero.
     """
@@ -370,12 +370,18 @@ def set_levels(modes: ModeSwitch) -> None:
 
 
 def stays_at_zero(modes: ModeSwitch, element: SwitchingElement) -> int:
-    """Return 1 if others that are closed keep an open gap where it is, but for rounding, else 0."""
+    """Return 1 if an open gap stays where it is at first, but for rounding, while others are closed, else 0.
+
+    They may keep it there, as those of three corners do with that of the fourth, or let it close soon.
+    """
     if abs(element.rate) > slow_rate(modes, element):
         return 0
     if abs(acceleration_of(modes, element.candidate)) > slight_acceleration(modes, element.candidate):
         return 0
-    return is_carried(modes, element.candidate)
+    for k in range(modes.count):
+        if modes.elements[k].is_gap != 0.0 and modes.elements[k].mode == HOLDS:
+            return 1
+    return 0
 
 
 def slight_value(modes: ModeSwitch, place: int) -> float:
