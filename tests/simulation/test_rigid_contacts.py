@@ -595,10 +595,13 @@ class SpinningBox:
 
     def slides(self, start: Floats) -> Any:
         """Return the motion until a corner is almost at rest, or bears nothing."""
-        slow = lambda _, s: np.linalg.norm(self.slips(s)[1], axis=1).min() - 0.02  # noqa: E731
-        light = lambda _, s: self.forces(s)[0].min()  # noqa: E731
-        slow.terminal = light.terminal = True  # type: ignore[attr-defined]
-        return solve_ivp(self.rates, (0, 2), start, rtol=1e-11, atol=1e-13, events=[slow, light])
+
+        def left(_: float, state: Floats) -> float:
+            slowest = np.linalg.norm(self.slips(state)[1], axis=1).min() - 0.02  # m/s
+            return float(min(slowest, self.forces(state)[0].min()))
+
+        left.terminal = True  # type: ignore[attr-defined]
+        return solve_ivp(self.rates, (0, 2), start, rtol=1e-11, atol=1e-13, events=left)
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ class EquationsOfMotion(MultibodySystem):
     solution: SingleFlight[None, tuple[list[Expr], list[Expr]]] = field(
         default_factory=SingleFlight, repr=False
     )
-    replaced: SingleFlight[None, Substitution] = field(default_factory=SingleFlight, repr=False)
+    substitution: SingleFlight[None, Substitution] = field(default_factory=SingleFlight, repr=False)
     resistances: list[Resistance] = field(default_factory=list, repr=False)
     self_stress: SingleFlight[None, object] = field(default_factory=SingleFlight, repr=False)
     _released: SingleFlight[None, Mapping[str, Expr]] = field(default_factory=SingleFlight, repr=False)
@@ -189,7 +189,7 @@ class EquationsOfMotion(MultibodySystem):
             rows=rows,
             redundant=self.redundant if redundant is None else redundant,
             solution=SingleFlight(),
-            replaced=SingleFlight(),
+            substitution=SingleFlight(),
             resistances=[],
             self_stress=SingleFlight(),
             _wrenches=SingleFlight(),

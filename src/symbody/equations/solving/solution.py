@@ -53,11 +53,11 @@ def substitute_solution(formed: EquationsOfMotion, values: Sequence[Expr]) -> li
     The multipliers of redundant rows are 0; `substitute_shares` puts those of least norm in their place.
     """
     graph, nodes = formed.graph, [value.index for value in values]
-    if formed.replaced.peek(None) is None:
+    if formed.substitution.peek(None) is None:
         unknowns = _unknown_nodes(formed)
         if unknowns.keys().isdisjoint(graph.reachable(nodes)):  # most inputs are numbers
             return list(values)
-    found = formed.replaced.get(None, partial(_replace_unknowns, formed)).roots(nodes)
+    found = formed.substitution.get(None, partial(_replace_unknowns, formed)).roots(nodes)
     return [Expr(graph, node) for node in found]
 
 

@@ -350,9 +350,8 @@ def set_levels(modes: ModeSwitch) -> None:
     """Note what is taken from the values that end modes.
 
     An open gap that is zero up to rounding, or has come below, is exactly there; one that stays there while
-    others are closed ends its mode only when it is measurably below. A closed one
-    without effort but for rounding has none. The value of an element that shares its effort says nothing, and
-    never falls to zero.
+    others are closed ends its mode only when it is measurably below. A closed one without effort but for
+    rounding has none. The value of an element that shares its effort says nothing, and never falls to zero.
     """
     for k in range(modes.count):
         element = modes.elements[k]

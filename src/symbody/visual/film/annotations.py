@@ -30,9 +30,8 @@ _SHARE: Final = 0.9  # of the time in which a force acts it is no larger than wh
 _NOTHING: Final = 1e-9  # of the largest magnitude
 _DOT: Final = 2.2  # points: the radius of a point of contact
 _PRINT: Final = 1.5  # points: of a footprint
-_SPACING: Final = (
-    0.025  # of the scene's size: points of contact that are nearer to the last print make no other
-)
+# Of the scene's size: points of contact that are nearer to the last footprint make no other.
+_SPACING: Final = 0.025
 FADES: Final = 0.4  # of the motion's length, until a footprint has gone in a film
 _SHORT: Final = 0.12  # shares of an axis below this are seen as a point
 

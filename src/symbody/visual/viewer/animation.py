@@ -278,12 +278,12 @@ def live_mechanism(
         page = make_live_page(eqs, slider_bounds(sliders), request, title, options, vectors)
         write_page(path, page.html)
         return page
-    if request != MotionRequest():
+    if request != MotionRequest() or vectors is not None:
         raise UsageError(
             Problem("animation.live_widget", "animate", "sliders in a notebook change positions, without "
                 "simulating",
-                    "initial, parameters, inputs, events, integrator and constraints are for pages that "
-                "simulate",
+                    "initial, parameters, inputs, events, vectors, integrator and constraints are for pages "
+                "that simulate",
                     "give a path: animate(eqs, 'live.html', ...)")
         )  # fmt: skip
     if isinstance(sliders, Mapping):
